@@ -46,3 +46,38 @@ def test_of_two_parts_that_face_outwards_the_nearer_one_is_taken(tmp_path: Path)
     trimesh.util.concatenate([near, far]).export(file)
     tissue, _ = new_tissue(file, thickness=1.0, sphere=((0.0, 0.0, 16.0), 14.0), units="mm")
     assert tissue.points[:, 2].max() == pytest.approx(10.0, rel=1e-2)
+
+
+def _balls(*radii_and_turns: tuple[float, bool]) -> trimesh.Trimesh:
+    """Balls around one place; those that are turned face inwards."""
+    balls = [trimesh.creation.icosphere(subdivisions=4, radius=radius) for radius, _ in radii_and_turns]
+    for ball, (_, turned) in zip(balls, radii_and_turns, strict=True):
+        if turned:
+            ball.invert()
+    return trimesh.util.concatenate(balls)
+
+
+@pytest.mark.parametrize(
+    ("balls", "radii_of_tissue", "said"),
+    [
+        (((50.0, False), (45.0, True)), ((50.0, 1), (45.0, -1)), "with 1 cavity"),
+        (((50.0, True), (45.0, False)), ((50.0, 1), (45.0, -1)), "with 1 cavity"),
+        (((45.0, True), (50.0, False), (30.0, False)), ((50.0, 1), (45.0, -1), (30.0, 1)), "with 1 cavity"),
+        (((50.0, False), (45.0, False)), ((50.0, 1), (45.0, 1)), None),
+        (((50.0, True), (45.0, True)), ((50.0, 1), (45.0, 1)), None),
+    ],
+    ids=["a wall", "a wall, all turned", "a ball in a hollow one", "two solids", "two solids, all turned"],
+)
+def test_a_part_that_is_turned_against_the_one_around_it_bounds_a_cavity(
+    tmp_path: Path,
+    balls: tuple[tuple[float, bool], ...],
+    radii_of_tissue: tuple[tuple[float, int], ...],
+    said: str | None,
+) -> None:
+    file = tmp_path / "balls.stl"
+    _balls(*balls).export(file)
+    tissue, lines = new_tissue(file, units="mm")
+    triangles = tissue.face_vertex_indices.reshape(-1, 3)
+    volume = trimesh.Trimesh(tissue.points, triangles, process=False).volume
+    assert volume == pytest.approx(4 / 3 * np.pi * sum(sign * radius**3 for radius, sign in radii_of_tissue), rel=0.01)
+    assert [said in line for line in lines if "closed tissue" in line] == [True] if said else "cavit" not in str(lines)

@@ -167,7 +167,12 @@ def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str
     volume = signed_volume(mesh.points, mesh.triangles)
     if spacing is None:
         spacing = chosen_spacing(volume)
-    lines.append(f"closed tissue: {len(mesh.triangles)} triangles, {volume:.4g} mm³, lattice spacing {spacing:g} mm")
+    part = parts_of(mesh.triangles, len(mesh.points))
+    cavities = sum(signed_volume(mesh.points, mesh.triangles[part == each]) < 0.0 for each in np.unique(part))
+    hollow = f" with {cavities} cavit{'ies' if cavities > 1 else 'y'}" if cavities else ""
+    lines.append(
+        f"closed tissue{hollow}: {len(mesh.triangles)} triangles, {volume:.4g} mm³, lattice spacing {spacing:g} mm"
+    )
     return Tissue(
         points=_single(mesh.points),
         face_vertex_counts=np.full(len(mesh.triangles), 3, np.int32),
