@@ -18,8 +18,7 @@ from lappet.commands.cli import cli
 from lappet.core.value_codec import pack
 from lappet.daemon.client import SolverClient, SolverRefused
 from lappet.daemon.process import SolverDaemon
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
-from lappet.output.skin_cache import SCALARS
+from lappet.daemon.solved_frame import SCALARS, LatticeCounts, SolvedFrame
 from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene

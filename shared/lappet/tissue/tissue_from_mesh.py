@@ -91,16 +91,20 @@ def new_tissue(
     holes = border_loops(mesh.triangles)
     lines.append("watertight" if closed else f"not watertight: {len(holes)} open borders")
 
-    levels = sphere_level(*sphere) if sphere else box_levels(*box) if box else None
-    if levels is not None:
+    levels: list[Level] = []
+    middle = np.zeros(3)
+    if sphere is not None:
+        levels, middle = sphere_level(*sphere), np.asarray(sphere[0], np.float64)
+    elif box is not None:
+        levels, middle = box_levels(*box), np.mean(np.asarray(box, np.float64), axis=0)
+    if levels:
         if thickness is None:
             raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
-        middle = np.asarray(sphere[0] if sphere else np.mean(box, axis=0), np.float64)
         mesh = _region(mesh, levels, middle, resolution or thickness, name, lines)
     if thickness is None:
         tissue = _closed_tissue(mesh, spacing, name, lines)
     else:
-        if levels is None and closed:
+        if not levels and closed:
             raise refused(ProblemCode.SHEET_OF_CLOSED_SURFACE, name, f"{thickness:g}")
         tissue = _sheet_tissue(mesh, thickness, spacing, name, lines)
     return tissue, lines
