@@ -13,7 +13,12 @@ from lappet.procedure import DEFAULT_SKIN, Material
 from lappet.tissue.presets.preset import CHOSEN, Preset, PublishedCurve, Sourced
 
 _MATRIX = Sourced("youngs_modulus", "50 kPa", "Jor 2011", "a shear modulus of 17 kPa, within those of the matrix")
-_VOLUME = Sourced("poissons_ratio", "0.48", CHOSEN, "nearly incompressible; a lattice locks nearer to 0.5")
+_VOLUME = Sourced(
+    "poissons_ratio",
+    "0.4875",
+    CHOSEN,
+    "keeps the volume within 1 % up to a stretch of 1.6, along and across; a lattice locks nearer to 0.5",
+)
 _SLACK = Sourced("fiber_slack", "1.05", "Jor 2011", "the low end of the undulations")
 _K1 = Sourced(
     "fiber_k1",
