@@ -29,13 +29,13 @@ class ModeSearch {
         other_(size_) {}
 
   LowestMode<Real> run(const LowestModeSearch& search) {
-    system_.linearize(at_, PsdProjection::kClamp);
-    preconditioner_.refresh(u_);
-    set_noise();
+    set_noise(other_.shape);
     measure(other_);
     if (!(dot<Real>(other_.shape, other_.softening) > 0.0)) return {};
+    preconditioner_.refresh(u_);
+    if (!preconditioner_.is_smoother_only()) add_coarse_noise();
     // The first step is one of the power method: the noise itself says nothing.
-    precondition(other_.softening, mode_.shape);
+    preconditioner_.apply(other_.softening, mode_.shape);
     measure(mode_);
     LowestMode<Real> found;
     double now = share();
@@ -61,20 +61,10 @@ class ModeSearch {
     return stiff > 0.0 ? dot<Real>(mode_.shape, mode_.softening) / stiff : 0.0;
   }
 
-  // Noise that numbers decide: of free nodes and of the rigid modes of the coarse level, as long waves have too small
-  // a part in the other.
-  void set_noise() {
-    auto& shape = other_.shape;
-    if (preconditioner_.is_smoother_only()) {
-      set_zero<Real>(shape);
-    } else {
-      auto& modes = preconditioner_.modes();
-      std::vector<Real> amplitudes(modes.unknowns());
-      for_each_index(amplitudes.size(), [&](std::size_t i) { amplitudes[i] = noise(i); });
-      modes.prolong(amplitudes, shape);
-    }
+  // Noise on free nodes that their numbers decide.
+  void set_noise(std::vector<Real>& shape) const {
     for_each_index(system_.nodes(), [&](std::size_t n) {
-      for (std::size_t i = 3 * n; i < 3 * n + 3; ++i) shape[i] = system_.is_free(n) ? shape[i] + noise(i) : Real(0);
+      for (std::size_t i = 3 * n; i < 3 * n + 3; ++i) shape[i] = system_.is_free(n) ? noise(i) : Real(0);
     });
   }
   // In [-0.5, 0.5), by a number.
@@ -85,17 +75,22 @@ class ModeSearch {
     return static_cast<Real>(hash >> 8) / static_cast<Real>(1U << 24) - Real(0.5);
   }
 
-  // Linearized as C before, and as K afterwards.
+  // Adds what N makes of noise on the rigid modes of the coarse level: long waves have too small a part in the other.
+  void add_coarse_noise() {
+    auto& modes = preconditioner_.modes();
+    std::vector<Real> amplitudes(modes.unknowns());
+    for_each_index(amplitudes.size(), [&](std::size_t i) { amplitudes[i] = noise(i); });
+    modes.prolong(amplitudes, mode_.shape);
+    measure(mode_);
+    add<Real>(Real(1), mode_.softening, other_.softening);
+  }
+
   void measure(Direction<Real>& x) {
-    system_.multiply(x.shape, x.stiffness);
     system_.linearize(at_, PsdProjection::kExact);
     system_.multiply(x.shape, x.softening);
-    for_each_index(size_, [&](std::size_t i) { x.softening[i] = x.stiffness[i] - x.softening[i]; });
-  }
-  // Linearized as C afterwards.
-  void precondition(std::span<const Real> b, std::span<Real> x) {
     system_.linearize(at_, PsdProjection::kClamp);
-    preconditioner_.apply(b, x);
+    system_.multiply(x.shape, x.stiffness);
+    combine<Real>(Real(-1), Real(1), x.stiffness, x.softening);
   }
 
   // One step along the preconditioned gradient of the quotient.
@@ -103,7 +98,7 @@ class ModeSearch {
     for_each_index(size_, [&, s = static_cast<Real>(now)](std::size_t i) {
       other_.softening[i] = mode_.softening[i] - s * mode_.stiffness[i];
     });
-    precondition(other_.softening, other_.shape);
+    preconditioner_.apply(other_.softening, other_.shape);
     return take_in_other();
   }
 
