@@ -213,7 +213,8 @@ class SolverState:
     loads
         The loads of the frame: number of their faces, traction and pressure in kPa, shape (D, 5).
     motion
-        How the frame moved the nodes in mm, shape (N, 3), float32; (0, 3) where it did not, or where that is not known.
+        How the nodes moved in the last frame that moved them in mm, shape (N, 3), float32; (0, 3) where none has, or
+        where that is not known.
     """
 
     precision: str

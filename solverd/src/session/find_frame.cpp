@@ -85,10 +85,9 @@ class FrameSearch {
   // What the next frame may go on with: no start over and no way off a saddle.
   void note_motion() {
     auto& motion = found_.state.motion;
+    if (std::ranges::equal(found_.state.u, before_.u)) return;
     motion.clear();
-    if (found_.effort.restart != Restart::kNone || found_.effort.saddles_left > 0 ||
-        std::ranges::equal(found_.state.u, before_.u))
-      return;
+    if (found_.effort.restart != Restart::kNone || found_.effort.saddles_left > 0) return;
     motion.resize(before_.u.size());
     for_each_index(motion.size(),
                    [&](std::size_t i) { motion[i] = static_cast<float>(found_.state.u[i] - before_.u[i]); });
