@@ -259,7 +259,8 @@ class EquilibriumSearch {
   // Share of the limit that the solution of the last linear solve may be where the search ends.
   double nearness() const {
     if (used_ != PsdProjection::kExact || bent_ || !whole_) return kUnsure;
-    return std::min(outcome_.newton_iterations > 0 || went_on_ ? kAtEnd : 1.0, std::max(kContraction * last_step_, kUnsure));
+    return std::min(outcome_.newton_iterations > 0 || went_on_ ? kAtEnd : 1.0,
+                    std::max(kContraction * last_step_, kUnsure));
   }
 
   std::span<Real> increment() { return linear_vectors_.z; }
