@@ -8,9 +8,8 @@ namespace lappet {
 
 namespace {
 
-// The penalty of a suture that closes exactly, in E h, chosen: its multiplier closes the gap whatever it is, but in few
-// updates only where it is stiff beside the skin, whose fibers are several times as stiff as E.
-constexpr double kSuturePenalty = 250.0;
+// The penalty of a suture that closes exactly, in E h; its multiplier closes the gap whatever it is.
+constexpr double kSuturePenalty = 50.0;
 // A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
 constexpr double kMaxPenalty = 1000.0;
 
