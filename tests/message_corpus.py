@@ -181,6 +181,7 @@ def state(nodes: int = NODES, dtype: str = "f4", sutures: int = 2, materials: in
         "stability": np.zeros(0),
         "roller_multipliers": np.zeros(0),
         "loads": np.zeros((0, 5)),
+        "motion": np.zeros((nodes, 3), np.float32),
     }
     return message("state", {"precision": "double" if dtype == "f8" else "float"}, arrays)
 

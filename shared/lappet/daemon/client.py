@@ -202,6 +202,8 @@ class SolverClient:
         for name in ("roller_multipliers", "loads"):
             if len(getattr(state, name)):
                 arrays[name] = np.asarray(getattr(state, name), np.float64)
+        if len(state.motion):
+            arrays["motion"] = np.asarray(state.motion, np.float32)
         expect(self._connection.request("state", {"precision": state.precision}, arrays), "accepted")
 
     def solve(self, frame: FrameConstraints, on_progress: Callable[[Iteration], None] | None = None) -> SolvedFrame:

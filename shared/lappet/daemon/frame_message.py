@@ -110,8 +110,12 @@ def _read_state(message: Message) -> SolverState:
         read_array(message, "activation", "f8", (None,)),
         read_array(message, "stability", "f8", (None,)),
         **{
-            name: read_array(message, name, "f8", shape)
-            for name, shape in (("roller_multipliers", (None,)), ("loads", (None, 5)))
+            name: read_array(message, name, kind, shape)
+            for name, kind, shape in (
+                ("roller_multipliers", "f8", (None,)),
+                ("loads", "f8", (None, 5)),
+                ("motion", "f4", (None, 3)),
+            )
             if name in message.arrays
         },
     )

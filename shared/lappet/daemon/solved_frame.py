@@ -212,6 +212,9 @@ class SolverState:
         Multipliers of the rollers, shape (K,).
     loads
         The loads of the frame: number of their faces, traction and pressure in kPa, shape (D, 5).
+    motion
+        How the nodes moved in the last frame that moved them in mm, shape (N, 3), float32; (0, 3) where none has, or
+        where that is not known.
     """
 
     precision: str
@@ -223,6 +226,7 @@ class SolverState:
     stability: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     roller_multipliers: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     loads: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 5), np.float64))
+    motion: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
 
     @property
     def nbytes(self) -> int:

@@ -111,7 +111,9 @@ def _search(
         if len(path.state.nodes) != len(near.vertices) or path.points.shape != target.points.shape:
             continue
         nodes = path.state.nodes + way_to(epoch, near, path, target, program.settings.spacing)
-        session.set_state(replace(path.state, nodes=nodes.astype(path.state.nodes.dtype), stability=np.zeros(0)))
+        nodes = nodes.astype(path.state.nodes.dtype)
+        no_motion = np.zeros((0, 3), np.float32)
+        session.set_state(replace(path.state, nodes=nodes, stability=np.zeros(0), motion=no_motion))
         again = session.solve(constraints, lambda _: None)
         branch = judged(epoch, path, again, target, program.settings.spacing)
         if branch is not None:

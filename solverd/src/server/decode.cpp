@@ -363,6 +363,12 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   }
   state.stability = arrays.read_finite("stability", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
+  if (arrays.has("motion")) {
+    state.motion = arrays.read<float>("motion", {kAny, 3});
+    check_coordinates(std::vector<double>(state.motion.begin(), state.motion.end()), "motion");
+    if (!std::ranges::all_of(state.motion, [](float x) { return std::isfinite(x); }))
+      invalid("The array 'motion' of the state holds a value that is not finite.");
+  }
   arrays.finish();
   return state;
 }

@@ -59,6 +59,7 @@ void add_state(MessageWriter& writer, const SolverState& state) {
   if (!state.loads.empty()) add_rows(writer, "loads", state.loads, {5});
   add_rows(writer, "activation", state.activation, {});
   add_rows(writer, "stability", state.stability, {});
+  if (!state.motion.empty()) add_rows(writer, "motion", state.motion, {3});
 }
 
 }  // namespace

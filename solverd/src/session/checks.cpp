@@ -332,6 +332,8 @@ void check_state(const SolverState& state, std::size_t node_values, std::size_t 
           "the state's stability has {} values; give none, 2 or 5", state.stability.size());
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,
           "the state's grip multipliers have {} values; give none or {}", state.grip_multipliers.size(), node_values);
+  require(state.motion.empty() || state.motion.size() == node_values,
+          "the state's motion has {} values; give none or {}", state.motion.size(), node_values);
   require(state.loads.size() % 5 == 0, "the state's loads have {} values; give 5 for each", state.loads.size());
   for (const double value : state.nodes) require(std::isfinite(value), "the state holds a number that is not finite");
   check_activation(state.activation, materials, "the state");

@@ -73,6 +73,7 @@ class FrameSearch {
       epoch_.constraints.apply(frame_, found_.state);
       found_.outcome.failure = {FailureCode::kUnreachable, unreachable};
     }
+    if (found_.outcome.converged) note_motion();
     if (!found_.outcome.converged) {
       refuse_if_stopped();
       evaluate();
@@ -81,6 +82,17 @@ class FrameSearch {
   }
 
  private:
+  // What the next frame may go on with: no start over and no way off a saddle.
+  void note_motion() {
+    auto& motion = found_.state.motion;
+    if (std::ranges::equal(found_.state.u, before_.u)) return;
+    motion.clear();
+    if (found_.effort.restart != Restart::kNone || found_.effort.saddles_left > 0) return;
+    motion.resize(before_.u.size());
+    for_each_index(motion.size(),
+                   [&](std::size_t i) { motion[i] = static_cast<float>(found_.state.u[i] - before_.u[i]); });
+  }
+
   // Tries what the schedule says until an attempt succeeds or none is left.
   void walk(RetrySchedule schedule) {
     if (!valid_) {
@@ -123,6 +135,7 @@ class FrameSearch {
   int try_once(const Attempt& attempt, const RetrySchedule& schedule) {
     if (attempt.goes_on) {
       options_.neighborhood_first = false;
+      options_.motion = {};
       return search_load_step(frame_, schedule) ? attempt.load_steps : attempt.load_steps - 1;
     }
     found_.state = before_;
@@ -134,6 +147,9 @@ class FrameSearch {
     found_.effort.load_steps = attempt.load_steps;
     options_.neighborhood_first =
         settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
+    options_.motion = {};
+    if (!attempt.from_rest && attempt.load_steps == 1 && !before_.stability.is_of(digest(frame_)))
+      options_.motion = before_.motion;
     const auto path = epoch_.constraints.path(frame_, attempt.load_steps, found_.state);
     for (int step = 0; step < attempt.load_steps; ++step)
       if (options_.accuracy = step + 1 < attempt.load_steps ? Accuracy::kLoadStep : Accuracy::kFrame;
@@ -257,6 +273,7 @@ class FrameSearch {
       found_.outcome.at = std::move(reused);
       options_.neighborhood_first = false;
       options_.known.reset();
+      options_.motion = {};
       const EquilibriumOutcome& outcome = found_.outcome;
       for (int round = 0; round < kRounds; ++round) {
         search_equilibrium(settings_.max_newton);

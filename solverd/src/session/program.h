@@ -175,6 +175,7 @@ struct SolverState {
   std::vector<double> loads;               // 5 per load of the last frame: index, traction, pressure
   std::vector<double> activation;          // per material, as the last frame had it
   std::vector<double> stability;           // opaque
+  std::vector<float> motion;               // how the nodes moved last, 3 per node, mm; empty: not yet, or nobody knows
 };
 
 // What a frame says of the tissue: its surface, landmarks and constraints.

@@ -120,6 +120,7 @@ SolverState exported(const TissueState<Real>& state) {
     result.loads.insert(result.loads.end(), {static_cast<double>(load.index), t[0], t[1], t[2], load.pressure});
   }
   result.activation = state.activation;
+  result.motion = state.motion;
   const FrameStability& stability = state.stability;
   if (stability.constraints != 0.0 && std::isfinite(stability.lowest_stiffness)) {
     result.stability = {stability.constraints, stability.lowest_stiffness};
@@ -143,6 +144,7 @@ TissueState<Real> imported(const SolverState& state) {
     result.loads.push_back(
         {static_cast<std::int32_t>(state.loads[k]), Vec3::Map(&state.loads[k + 1]), state.loads[k + 4]});
   result.activation = state.activation;
+  result.motion = state.motion;
   if (state.stability.size() >= 2) {
     result.stability.constraints = state.stability[0];
     result.stability.lowest_stiffness = state.stability[1];

@@ -30,11 +30,13 @@ struct TissueState {
   std::vector<double> activation;  // of the muscles, per material
   std::vector<LoadState> loads;    // of the last frame
   FrameStability stability;
+  std::vector<float> motion;  // as in SolverState
 
   void return_to_rest() {
     std::ranges::fill(u, Real(0));
     multipliers = {};
     stability = {};
+    motion.clear();
   }
 };
 

@@ -228,7 +228,8 @@ def _again(client: SolverClient, program: Program, frame: SolvedFrame) -> tuple[
     constraints = next(each for each in program.frames if each.time == frame.time)
     _set_epoch(client, program, constraints.epoch)
     assert frame.state is not None
-    client.set_state(replace(frame.state, precision="double", nodes=np.asarray(frame.state.nodes, np.float64)))
+    nodes, no_motion = np.asarray(frame.state.nodes, np.float64), np.zeros((0, 3), np.float32)
+    client.set_state(replace(frame.state, precision="double", nodes=nodes, motion=no_motion))
     told: list[Iteration] = []
 
     def first(iteration: Iteration) -> None:

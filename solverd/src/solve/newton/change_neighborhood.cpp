@@ -127,6 +127,7 @@ NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const 
   own.max_newton = std::min(own.max_newton, kMaxNewton);
   own.neighborhood_first = own.keeps_step = false;
   own.known.reset();
+  own.motion = {};
   NeighborhoodOutcome outcome;
   static_cast<EquilibriumOutcome&>(outcome) =
       find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, subdomain.multipliers, own, observer);

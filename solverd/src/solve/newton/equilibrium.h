@@ -40,6 +40,8 @@ struct EquilibriumOptions {
   int max_newton = 100;
   bool inverts = false;  // the material describes J < 0
   Accuracy accuracy = Accuracy::kFrame;
+  // How the tissue moved last, 3 per node, mm: it goes on so where that lowers the energy. Empty: nobody knows.
+  std::span<const float> motion;
   bool neighborhood_first = false;  // what the changes reach goes ahead (change_neighborhood.h)
   std::optional<Arrival> known;     // where the search before ended, if that was after the same
   bool keeps_step = false;          // the outcome has the displacement still to come at each node

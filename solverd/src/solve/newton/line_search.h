@@ -69,6 +69,32 @@ class LineSearch {
     return taken;
   }
 
+  // Moves u along a motion to where the slopes at its start and end make the energy lowest, or the whole of it where
+  // that is about the same; alpha: 0 where the energy does not fall so.
+  StepTaken go_on(std::span<Real> u, std::span<const Real> motion, Evaluation start) {
+    const EvaluationSummary before = start;
+    StepTaken taken{.alpha = 0.0, .ratio = 1.0, .reached = std::move(start)};
+    Evaluation& now = taken.reached;
+    const double first = slope_of(now, motion);
+    if (!(first < 0.0)) return taken;
+    double alpha = 1.0;
+    for (const bool whole : {true, false}) {
+      if (system_.largest_step(u, motion, alpha) < alpha) break;
+      evaluate_at(u, motion, alpha, now);
+      const double lowest = first / (first - slope_of(now, motion));  // times alpha
+      if (now.energy < before.energy && now.inverted <= before.inverted &&
+          (!whole || std::abs(lowest - 1.0) < kAboutWhole)) {
+        copy<Real>(trial_, u);
+        taken.alpha = alpha;
+        return taken;
+      }
+      if (!(lowest > kLeastOfMotion && lowest < kMostOfMotion)) break;
+      alpha *= lowest;
+    }
+    evaluate(u, now);
+    return taken;
+  }
+
   // What rounding may have changed an energy of this size by.
   double rounding(double energy) const { return kRounding * (std::abs(energy) + energy_unit_); }
 
@@ -106,6 +132,8 @@ class LineSearch {
   static constexpr double kMinUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
   static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
   static constexpr int kMaxDoublings = 5;
+  // Of a motion that goes on: chosen.
+  static constexpr double kAboutWhole = 0.25, kLeastOfMotion = 0.05, kMostOfMotion = 4.0;
 
   bool stays_upright(const EvaluationSummary& before, const EvaluationSummary& now, double alpha) const {
     return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
@@ -115,10 +143,12 @@ class LineSearch {
   bool falls_as_slopes_tell(const EvaluationSummary& before, const Evaluation& now, std::span<const Real> step,
                             double slope) const {
     if (!(now.energy <= before.energy + rounding(before.energy))) return false;
-    const double end = reduce<1>(step.size(), [g = now.gradient.data(), s = step.data()](std::size_t i, double* out) {
+    return std::abs(slope_of(now, step)) <= kFlatter * std::abs(slope);
+  }
+  static double slope_of(const Evaluation& now, std::span<const Real> step) {
+    return reduce<1>(step.size(), [g = now.gradient.data(), s = step.data()](std::size_t i, double* out) {
       out[0] = g[i] * static_cast<double>(s[i]);
     })[0];
-    return std::abs(end) <= kFlatter * std::abs(slope);
   }
   // These write a new evaluation over one that is no longer needed.
   void evaluate(std::span<const Real> u, Evaluation& now) { now = system_.evaluate(u, multipliers_, std::move(now)); }
