@@ -263,6 +263,8 @@ def test_the_coarse_lattice_shares_no_luck_with_the_fine_one_but_where_both_are_
     assert coarse_program(sheet).settings.origin == (x + 2.0, y, z + 2.0)
     # Where nothing lowers the order the errors of nested lattices are in the proportion 2^2.
     assert coarse_program(program, 2.0).settings.origin == program.settings.origin
+    # Lattices with several points per cell are all too stiff.
+    assert coarse_program(BLOCK.program(2.0, quadrature=8)).settings.origin == program.settings.origin
 
 
 def test_an_unknown_frame_makes_the_worst_error_infinite() -> None:

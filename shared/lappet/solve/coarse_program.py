@@ -3,8 +3,9 @@
 How well tissue happens to fill the cells of a lattice decides about as much of its error as its spacing does. A coarse
 lattice whose cells end where those of the fine one do shares that luck, and the two agree on what is wrong. So the
 coarse lattice is shifted by half of its own cell; a flat sheet only along itself, since it would else need another
-layer of cells, for up to twice the time. Where all of the fine cells are whole and nothing lowers the order the two are
-nested: their errors are then in the proportion that Richardson's extrapolation takes them to be in.
+layer of cells, for up to twice the time. Two cases are nested, since their errors are in the proportion that
+Richardson's extrapolation takes them to be in: where all of the fine cells are whole and nothing lowers the order; and
+with several points per cell, which make every lattice too stiff, the coarser the more.
 
 The order p of the displacements is known in limits only; what is reckoned with between them is *fitted* on
 `lappet.reports.error_estimate.fitting_scenes`:
@@ -90,7 +91,7 @@ def coarse_program(program: Program, order: float | None = None) -> Program:
     """
     settings = program.settings
     sutured = bool(program.sutures)
-    nested = (expected_order(program) if order is None else order) >= FULL_ORDER
+    nested = settings.quadrature > 1 or (expected_order(program) if order is None else order) >= FULL_ORDER
     origin = np.array(settings.origin)
     if not nested:
         origin += np.where(_is_wide(program), 0.5 * RATIO * settings.spacing, 0.0)
