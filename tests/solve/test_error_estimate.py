@@ -237,6 +237,7 @@ def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bo
     assert expected_order(SHELF.program(4.0), replace(whole, fine_voxels=4000)) == 1.35
     assert expected_order(smooth, whole) == expected_order(smooth) == 1.35
     assert expected_order(BLOCK_SLACK.program(4.0), whole) == 2.0
+    assert expected_order(BLOCK.program(4.0, quadrature=8), whole) == 1.5  # of nested lattices
     epoch = smooth.epochs[0]
     walls = epoch.surface.origin.copy()
     walls[0] = FaceOrigin.WOUND_WALL

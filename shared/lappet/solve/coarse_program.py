@@ -8,20 +8,22 @@ Richardson's extrapolation takes them to be in: where all of the fine cells are 
 with several points per cell, which make every lattice too stiff, the coarser the more.
 
 The order p of the displacements is known in limits only; what is reckoned with between them is *fitted* on
-`lappet.reports.error_estimate.fitting_scenes`:
+`lappet.reports.error_estimate.fitting_scenes`, for shifted lattices (and, in brackets, for nested ones of several points
+per cell):
 
 - 2 where nothing lowers it: that of trilinear cells.
 - Where a held side meets a free one, displacements vary as r^a with the distance r (`lappet.reports.clamped_edge`): 2a,
-  1.24 at a Poisson's ratio of 0.45, in the limit, and up to 2 before. Fitted: 1.35, in cells that the tissue does not
-  fill too.
-- At the end of a cut a is 1/2 (Williams 1957, J Appl Mech 24:109), which leaves 1 in the limit. Fitted: 1.2.
+  1.24 at a Poisson's ratio of 0.45, in the limit, and up to 2 before. Fitted: 1.35 (1.5), in cells that the tissue does
+  not fill too.
+- At the end of a cut a is 1/2 (Williams 1957, J Appl Mech 24:109), which leaves 1 in the limit. Fitted: 1.22 (1.4).
 - Between layers, and where it touches bone, the lattice knows a surface to the volumes in a cell only: 1 in the limit.
-  Fitted: 1.2.
+  Fitted: 1.2 (1).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +33,18 @@ from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 
 RATIO = 2.0  # of the spacings
-FULL_ORDER, HELD_ORDER, WOUNDED_ORDER, LAYERED_ORDER = 2.0, 1.35, 1.2, 1.2
+FULL_ORDER = 2.0
+
+
+class Orders(NamedTuple):
+    """Orders of convergence where something lowers them."""
+
+    held: float
+    wounded: float
+    layered: float
+
+
+SHIFTED, NESTED = Orders(1.35, 1.22, 1.2), Orders(1.5, 1.4, 1.0)
 SHEET = 1.0 / 6.0  # chosen: tissue is a sheet along an axis in which it is thinner than this share of its extent
 # The coarse program only has to be better than its own discretization. Sutures that are nearer to each other than its
 # cells contradict each other a little there: they get more room, and one point per cell, which bends where more would
@@ -61,17 +74,18 @@ def expected_order(program: Program, lattice: LatticeCounts | None = None) -> fl
         or bool(program.hooks)
         or bool(program.sutures)
     )
+    orders = NESTED if program.settings.quadrature > 1 else SHIFTED
     if wounded:
-        return WOUNDED_ORDER
+        return orders.wounded
     if len(program.bones.points) or any(len(epoch.regions) for epoch in program.epochs):
-        return LAYERED_ORDER
+        return orders.layered
     settings = program.settings
     cut = lattice is not None and lattice.fine_voxels != lattice.cells * settings.fine_ratio**3
     surfaces = [epoch.surface for epoch in program.epochs]
     held = any(np.any(each.fixed) or np.any(each.resting) for each in surfaces) or bool(program.retractors)
     # What does not draw in when it is pulled does so at no held edge.
     draws_in = any(each.poissons_ratio > 0.0 or each.fiber_k1 > 0.0 for each in settings.materials)
-    return HELD_ORDER if lattice is None or cut or (held and draws_in) else FULL_ORDER
+    return orders.held if lattice is None or cut or (held and draws_in) else FULL_ORDER
 
 
 def coarse_program(program: Program, order: float | None = None) -> Program:
