@@ -8,8 +8,8 @@ Richardson's extrapolation takes them to be in: where all of the fine cells are 
 with several points per cell, which make every lattice too stiff, the coarser the more.
 
 The order p of the displacements is known in limits only; what is reckoned with between them is *fitted* on
-`lappet.reports.error_estimate.fitting_scenes`, for shifted lattices (and, in brackets, for nested ones of several points
-per cell):
+`lappet.reports.error_estimate.fitting_scenes`, for shifted lattices (and, in brackets, for nested ones of several
+points per cell, from before):
 
 - 2 where nothing lowers it: that of trilinear cells.
 - Where a held side meets a free one, displacements vary as r^a with the distance r (`lappet.reports.clamped_edge`): 2a,

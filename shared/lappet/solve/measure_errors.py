@@ -10,12 +10,15 @@ by what the lattice costs:
   where cells of the coarse program hold several sutures. Their geometric mean is taken, or the second where that is
   larger. Where the coarse lattice resolves none of the sutures there is the second only, which is half of the error
   in the median (fitted).
-  The order is fitted.
-- Gap, step-off, mismatch and open area are compared place by place along the seam: the greatest of a line need not be
-  in the same place on both lattices. Lips between bites converge with order 1 (fitted, as that of the tension, on
-  `lappet.reports.error_estimate.fitting_scenes`).
-- The length of a scar may be off by as much as its line is.
-- A dog-ear, which lies away from the wound, errs as displacements do.
+- Gap, step-off, mismatch and open area are compared place by place along the seam, step-off and mismatch where its lips
+  meet: the greatest of a line need not be in the same place on both lattices. They converge as displacements do.
+- The length of a scar may be off by as much as its line is, which converges with order 2.
+- A dog-ear, which lies away from the wound, is not known better than the displacements are; where the two lattices
+  differ by more, with order 2.
+- The greatest mean tensions of two lattices may agree by chance, but what the tension of the whole skin differs by is
+  not known of the greatest either: the root mean square of the difference over that of the tension, with order 1.
+
+These orders are fitted on `lappet.reports.error_estimate.fitting_scenes`.
 
 What stopping early costs is added, as displacement still to come. Where a frame has no frame of the coarse program to
 be compared with, nothing has an error.
@@ -40,8 +43,8 @@ from lappet.solve.measures import FrameMeasures, Gauges
 from lappet.solve.seam_measures import SeamMeasure, SeamState
 from lappet.solve.suture_forces import SutureForce
 
-FORCE_ORDER, SCAR_ORDER, TENSION_ORDER = 1.25, 2.0, 1.0
-"""Orders of convergence (fitted): of forces, of the length of a scar, of the tension."""
+FORCE_ORDER, SHAPE_ORDER, TENSION_ORDER = 1.25, 2.0, 1.0
+"""Orders of convergence (fitted): of forces, of the length of a scar and dog-ears, of the tension."""
 
 ALONE = 2.0
 """Error of a force over that of the displacements, where there is nothing else to tell it by (fitted)."""
@@ -178,7 +181,9 @@ def errors_of_measures(
             found.append(own)
             continue
         there = gauges.measure(coarse, tension=own.mean_tension is not None)
-        found.append(with_errors(own, there, Reckoning.of(frame, coarse, error, skins[epochs[frame.time]], errors.order)))
+        found.append(
+            with_errors(own, there, Reckoning.of(frame, coarse, error, skins[epochs[frame.time]], errors.order))
+        )
     return found
 
 
@@ -269,7 +274,7 @@ def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Re
     meets = state.meets
     steps = np.linalg.norm(np.diff(state.points, axis=0), axis=1)
     shares = 0.5 * (np.concatenate([[0.0], steps]) + np.concatenate([steps, [0.0]]))
-    line = float(np.linalg.norm(state.points - coarse.points, axis=1).max()) / (RATIO**SCAR_ORDER - 1.0)
+    line = float(np.linalg.norm(state.points - coarse.points, axis=1).max()) / (RATIO**SHAPE_ORDER - 1.0)
     scar = line + left
     force = reckoning.of_ratio(ratios.of(state.closures))
     tension = None
@@ -292,7 +297,7 @@ def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Re
 def _of_dog_ear(here: float | None, there: float | None, reckoning: Reckoning) -> float | None:
     if here is None or there is None:
         return None
-    return max(abs(here - there) / (RATIO**reckoning.order - 1.0), reckoning.relative * here) + reckoning.left
+    return max(abs(here - there) / (RATIO**SHAPE_ORDER - 1.0), reckoning.relative * here) + reckoning.left
 
 
 def _of_tension(here: MeanTension | None, there: MeanTension | None, reckoning: Reckoning) -> MeanTension | None:

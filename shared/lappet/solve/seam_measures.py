@@ -259,9 +259,7 @@ def _along(middle: NDArray[np.float64], first: NDArray[np.float64], up: NDArray[
     return directions(along - np.einsum("ij,ij->i", along, up)[:, None] * up)
 
 
-def _meet(
-    gap: NDArray[np.float64], step: NDArray[np.float64], mismatch: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _meet(gap: NDArray[np.float64], step: NDArray[np.float64], mismatch: NDArray[np.float64]) -> NDArray[np.bool_]:
     found: NDArray[np.bool_] = (gap <= CLOSED) & (gap**2 + step**2 + mismatch**2 <= NEAR**2)
     return found
 
