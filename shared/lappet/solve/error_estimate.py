@@ -1,9 +1,9 @@
 """The estimate of a solve's displacement error: what the lattice costs and what stopping early costs, in mm.
 
 - Algebraic: the displacement still to come at the end of a frame, K^-1 residual, which the daemon sends along.
-- Discretization: the same frames are solved once more on a lattice of twice the spacing h (`coarse_program`). Where
-  displacements converge as h^p, what is left at h is (u_h - u_2h) / (2^p - 1) (Richardson), each u with its own
-  displacement still to come added.
+- Discretization: the same frames are solved once more on a lattice of twice the spacing h that lies otherwise in the
+  tissue (`coarse_program`). Where displacements converge as h^p, what is left at h is (u_h - u_2h) / (2^p - 1)
+  (Richardson), each u with its own displacement still to come added.
 - Gaps: what sutures and grips are open beyond what was asked for.
 
 The parts add at each place by their lengths: a part may cancel another in one solve, but nothing says that it does, so
@@ -189,9 +189,9 @@ def estimate_errors(
     """
     begun = time.perf_counter()
     known = replace(program, frames=program.frames[: len(frames)])
-    partner = coarse_program(known)
-    solved = solve_program(partner, store, connect, solver, watch or SolveObserver())
     order = expected_order(program, frames[0].solved.lattice if frames else None)
+    partner = coarse_program(known, order)
+    solved = solve_program(partner, store, connect, solver, watch or SolveObserver())
     skins = {epoch.index: RestSkin.of(epoch) for epoch in program.epochs}
     spacing = program.settings.spacing
     compared = [_at(solved.frames, index) for index in range(len(frames))]

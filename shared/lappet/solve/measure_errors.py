@@ -10,12 +10,15 @@ by what the lattice costs:
   where cells of the coarse program hold several sutures. Their geometric mean is taken, or the second where that is
   larger. Where the coarse lattice resolves none of the sutures there is the second only, which is half of the error
   in the median (fitted).
-  The order is fitted.
-- Gap, step-off, mismatch and open area are compared place by place along the seam: the greatest of a line need not be
-  in the same place on both lattices. Lips between bites converge with order 1 (fitted, as that of the tension, on
-  `lappet.reports.error_estimate.fitting_scenes`).
-- The length of a scar may be off by as much as its line is.
-- A dog-ear, which lies away from the wound, errs as displacements do.
+- Gap, step-off, mismatch and open area are compared place by place along the seam, step-off and mismatch where its lips
+  meet: the greatest of a line need not be in the same place on both lattices. They converge as displacements do.
+- The length of a scar may be off by as much as its line is, which converges with order 2.
+- A dog-ear, which lies away from the wound, is not known better than the displacements are; where the two lattices
+  differ by more, with order 2.
+- The greatest mean tensions of two lattices may agree by chance, but what the tension of the whole skin differs by is
+  not known of the greatest either: the root mean square of the difference over that of the tension, with order 1.
+
+These orders are fitted on `lappet.reports.error_estimate.fitting_scenes`.
 
 What stopping early costs is added, as displacement still to come. Where a frame has no frame of the coarse program to
 be compared with, nothing has an error.
@@ -31,7 +34,7 @@ import numpy as np
 
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.program.program import Program
-from lappet.solve.coarse_program import FIRST_ORDER, RATIO
+from lappet.solve.coarse_program import RATIO
 from lappet.solve.error_estimate import ErrorEstimate, FrameErrorEstimate, RestSkin
 from lappet.solve.force_sums import ClosureForces, ForceSums, force_sums
 from lappet.solve.hook_forces import HookForce
@@ -40,8 +43,8 @@ from lappet.solve.measures import FrameMeasures, Gauges
 from lappet.solve.seam_measures import SeamMeasure, SeamState
 from lappet.solve.suture_forces import SutureForce
 
-FORCE_ORDER = 1.25
-"""Order of convergence of forces (fitted)."""
+FORCE_ORDER, SHAPE_ORDER, TENSION_ORDER = 1.25, 2.0, 1.0
+"""Orders of convergence (fitted): of forces, of the length of a scar and dog-ears, of the tension."""
 
 ALONE = 2.0
 """Error of a force over that of the displacements, where there is nothing else to tell it by (fitted)."""
@@ -62,21 +65,28 @@ class Reckoning:
         The part of it that stopping early has.
     left
         Greatest displacement still to come in mm.
+    tension
+        Root mean square difference of the skin's tension in the coarse program over that of the tension, at most 1.
     """
 
     order: float
     relative: float
     algebraic: float
     left: float
+    tension: float = 0.0
 
     @classmethod
-    def of(cls, frame: SolvedFrame, error: FrameErrorEstimate, skin: RestSkin, order: float) -> Reckoning:
+    def of(
+        cls, frame: SolvedFrame, coarse: SolvedFrame, error: FrameErrorEstimate, skin: RestSkin, order: float
+    ) -> Reckoning:
         """Take what there is for a frame.
 
         Parameters
         ----------
         frame
             The frame.
+        coarse
+            The frame of the coarse program.
         error
             Its estimated displacement error.
         skin
@@ -95,7 +105,7 @@ class Reckoning:
         lattice = error.discretization_rms or 0.0
         slower = (RATIO**order - 1.0) / (RATIO**FORCE_ORDER - 1.0)
         relative = _share(error.rms + lattice * (slower - 1.0), size)
-        return cls(order, relative, _share(left_rms, size), left)
+        return cls(order, relative, _share(left_rms, size), left, _tension_apart(frame, coarse, skin))
 
     def force(self, force: float, coarse: float) -> float:
         """Estimate the error of a force.
@@ -171,7 +181,9 @@ def errors_of_measures(
             found.append(own)
             continue
         there = gauges.measure(coarse, tension=own.mean_tension is not None)
-        found.append(with_errors(own, there, Reckoning.of(frame, error, skins[epochs[frame.time]], errors.order)))
+        found.append(
+            with_errors(own, there, Reckoning.of(frame, coarse, error, skins[epochs[frame.time]], errors.order))
+        )
     return found
 
 
@@ -254,14 +266,15 @@ def _of_closure(closure: ClosureForces, relative: float, scars: Mapping[str, flo
 
 def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Reckoning) -> SeamMeasure:
     here, there = state.measure, coarse.measure
-    first = RATIO**FIRST_ORDER - 1.0
     left = 2.0 * reckoning.left  # either lip may still come so far
     gap, step, mismatch = (
-        np.abs(getattr(state, name) - getattr(coarse, name)) / first for name in ("gap", "step", "mismatch")
+        np.abs(getattr(state, name) - getattr(coarse, name)) / (RATIO**reckoning.order - 1.0)
+        for name in ("gap", "step", "mismatch")
     )
+    meets = state.meets
     steps = np.linalg.norm(np.diff(state.points, axis=0), axis=1)
     shares = 0.5 * (np.concatenate([[0.0], steps]) + np.concatenate([steps, [0.0]]))
-    line = float(np.linalg.norm(state.points - coarse.points, axis=1).max()) / (RATIO**reckoning.order - 1.0)
+    line = float(np.linalg.norm(state.points - coarse.points, axis=1).max()) / (RATIO**SHAPE_ORDER - 1.0)
     scar = line + left
     force = reckoning.of_ratio(ratios.of(state.closures))
     tension = None
@@ -272,8 +285,8 @@ def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Re
         scar_length_error_mm=scar,
         greatest_gap_error_mm=float(gap.max()) + left,
         open_area_error_mm2=float(shares @ gap) + left * here.scar_length_mm,
-        edge_mismatch_error_mm=None if here.edge_mismatch_mm is None else float(mismatch.max()) + left,
-        step_off_error_mm=None if here.step_off_mm is None else float(step.max()) + left,
+        edge_mismatch_error_mm=None if here.edge_mismatch_mm is None else float(mismatch[meets].max()) + left,
+        step_off_error_mm=None if here.step_off_mm is None else float(step[meets].max()) + left,
         start_dog_ear_error_mm=_of_dog_ear(here.start_dog_ear_mm, there.start_dog_ear_mm, reckoning),
         end_dog_ear_error_mm=_of_dog_ear(here.end_dog_ear_mm, there.end_dog_ear_mm, reckoning),
         force_error_mn=here.force_mn * force,
@@ -284,14 +297,24 @@ def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Re
 def _of_dog_ear(here: float | None, there: float | None, reckoning: Reckoning) -> float | None:
     if here is None or there is None:
         return None
-    return max(abs(here - there) / (RATIO**reckoning.order - 1.0), reckoning.relative * here) + reckoning.left
+    return max(abs(here - there) / (RATIO**SHAPE_ORDER - 1.0), reckoning.relative * here) + reckoning.left
 
 
 def _of_tension(here: MeanTension | None, there: MeanTension | None, reckoning: Reckoning) -> MeanTension | None:
     if here is None or there is None:
         return here
-    apart = abs(here.tension - there.tension) / (RATIO**FIRST_ORDER - 1.0)
-    return replace(here, error=apart + reckoning.algebraic * abs(here.tension))
+    size = abs(here.tension)
+    apart = max(abs(here.tension - there.tension), reckoning.tension * size) / (RATIO**TENSION_ORDER - 1.0)
+    return replace(here, error=apart + reckoning.algebraic * size)
+
+
+def _tension_apart(frame: SolvedFrame, coarse: SolvedFrame, skin: RestSkin) -> float:
+    """The difference of the tensions over the tension, root mean squares over the skin; 0 where they are not known."""
+    if not len(frame.tension) or len(coarse.tension) != len(frame.tension):
+        return 0.0
+    here, there = (np.asarray(each.tension, np.float64)[skin.vertices] for each in (frame, coarse))
+    apart, size = (float(np.sqrt(np.mean(each**2))) for each in (here - there, here))
+    return _share(apart, size)
 
 
 def _relative_length(measure: SeamMeasure) -> float:

@@ -127,6 +127,11 @@ class SeamState:
     step: NDArray[np.float64]
     mismatch: NDArray[np.float64]
 
+    @property
+    def meets(self) -> NDArray[np.bool_]:
+        """Where the lips meet, by `CLOSED` and `NEAR`, shape (SAMPLES,)."""
+        return _meet(self.gap, self.step, self.mismatch)
+
 
 class SeamGauges:
     """Measure seams, with what of an epoch that needs, which is found once.
@@ -194,7 +199,7 @@ class _Gauge:
         gap, step, mismatch = (np.einsum("ij,ij->i", apart, axis) for axis in (np.cross(along, up), up, along))
         steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
         share = np.concatenate([[0.0], steps]) + np.concatenate([steps, [0.0]])
-        meet = (gap <= CLOSED) & (np.linalg.norm(apart, axis=1) <= NEAR)
+        meet = _meet(gap, step, mismatch)
         length = float(steps.sum())
         sutures = {name for names in self._seam.sutures.values() for name in names}
         own = [row for row in forces if row.suture in sutures]
@@ -252,6 +257,11 @@ def _along(middle: NDArray[np.float64], first: NDArray[np.float64], up: NDArray[
     still = np.linalg.norm(along, axis=1) < 1e-9
     along[still] = np.gradient(first, axis=0)[still]
     return directions(along - np.einsum("ij,ij->i", along, up)[:, None] * up)
+
+
+def _meet(gap: NDArray[np.float64], step: NDArray[np.float64], mismatch: NDArray[np.float64]) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = (gap <= CLOSED) & (gap**2 + step**2 + mismatch**2 <= NEAR**2)
+    return found
 
 
 def _open_area(first: NDArray[np.float64], second: NDArray[np.float64], up: NDArray[np.float64]) -> float:

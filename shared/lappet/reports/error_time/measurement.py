@@ -381,9 +381,9 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
         return row
     skin = skin_of(program)
     off = frames[-1].solved.points[skin] - reference.points
-    partners, failure = _solve(coarse_program(program), connect)
-    partner = partners[-1].solved if failure is None else None
     order = expected_order(program, frames[0].solved.lattice)
+    partners, failure = _solve(coarse_program(program, order), connect)
+    partner = partners[-1].solved if failure is None else None
     estimate = frame_error(frames[-1].solved, partner, RestSkin.of(program.epochs[-1]), order, spacing)
     row = replace(
         row,
