@@ -124,6 +124,9 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("energy", frame.energy)
       .field("largest_penetration", frame.largest_penetration)
       .field("contacts", std::int64_t{frame.contacts})
+      .field("self_contacts", std::int64_t{frame.self_contacts})
+      .field("piercings", std::int64_t{frame.piercings})
+      .field("piercings_before", std::int64_t{frame.piercings_before})
       .field("lowest_stiffness", frame.lowest_stiffness)
       .field("saddles_left", std::int64_t{frame.saddles_left})
       .field("seconds", Fields{{"update", frame.seconds_update},

@@ -9,6 +9,8 @@ namespace lappet {
 
 namespace {
 
+constexpr double kLiesOn = 1e-6;  // mm: nearer, the barrier is beyond what positions in single precision can balance
+
 // The largest difference between one of the first `count` ways and one of the others.
 double drift(const std::array<Vec3, 4>& ways, int count) {
   double most = 0.0;
@@ -42,7 +44,7 @@ std::vector<Piercing> ContactCandidates::piercings(std::span<const Vec3> places)
   return result;
 }
 
-void ContactCandidates::leave_out(std::span<const Piercing> piercings) {
+std::size_t ContactCandidates::leave_out(std::span<const Piercing> piercings, const std::vector<Vec3>& places) {
   faces_left_out_.clear();
   edges_left_out_.clear();
   from_.clear();
@@ -55,6 +57,22 @@ void ContactCandidates::leave_out(std::span<const Piercing> piercings) {
         for (const Index f : surface_.edges_of(piercing.face))
           edges_left_out_.insert(key(std::min(e, f), std::max(e, f)));
     }
+  cover(places);
+  std::size_t found = 0;
+  for (const auto& [vertex, face] : vertex_faces_) {
+    const auto [p, a, b, c] = at(places, surface_.corners_of(vertex, face));
+    if (closest_on_triangle(p, a, b, c).squared_distance > kLiesOn * kLiesOn) continue;
+    faces_left_out_.insert(key(vertex, face));
+    ++found;
+  }
+  for (const EdgePair& pair : edges_) {
+    const auto [a, b, c, d] = at(places, surface_.ends_of(pair.first, pair.second));
+    if (closest_on_segments(a, b, c, d).squared_distance > kLiesOn * kLiesOn) continue;
+    edges_left_out_.insert(key(pair.first, pair.second));
+    ++found;
+  }
+  if (found > 0) from_.clear();
+  return found;
 }
 
 void ContactCandidates::cover(const std::vector<Vec3>& places) { cover(places, {}); }

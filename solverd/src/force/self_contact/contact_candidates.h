@@ -32,8 +32,9 @@ class ContactCandidates {
 
   // Where edges go through faces in a state, places of the vertices, in order. Refits the tree.
   std::vector<Piercing> piercings(std::span<const Vec3> places);
-  // From now on leaves out the pairs of the faces at these edges with those that they go through, and no others.
-  void leave_out(std::span<const Piercing> piercings);
+  // From now on leaves out the pairs of the faces at these edges with those that they go through, those that lie on
+  // each other in a state, and no others. Returns the number of the latter.
+  std::size_t leave_out(std::span<const Piercing> piercings, const std::vector<Vec3>& places);
   std::size_t left_out() const { return faces_left_out_.size() + edges_left_out_.size(); }
 
   // Finds them anew, unless those that are known hold all the way.

@@ -49,8 +49,7 @@ template <class Real>
 std::size_t SelfContact::begin(std::span<const Real> u) {
   surface_.positions(u, places_);
   const std::vector<Piercing> piercings = candidates_.piercings(places_);
-  candidates_.leave_out(piercings);
-  return piercings.size();
+  return piercings.size() + candidates_.leave_out(piercings, places_);
 }
 
 template <class Real>

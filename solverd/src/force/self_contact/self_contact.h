@@ -30,7 +30,8 @@ class SelfContact {
   // How often edges go through faces at u.
   template <class Real>
   std::size_t count_piercings(std::span<const Real> u);
-  // Leaves out the pairs at these places from now on, and no others. Returns their number.
+  // Leaves out the pairs at these places from now on, and those that lie on each other, but no others. Returns how many
+  // such places there are.
   template <class Real>
   std::size_t begin(std::span<const Real> u);
 
