@@ -64,6 +64,9 @@ void ContactSurface::find_areas() {
       area_of_edge_[edges_of_triangle_[t][k]] += third;
     }
   }
+  const double least = kMinArea * lattice_.settings.spacing * lattice_.settings.spacing;
+  for (auto* areas : {&area_of_vertex_, &area_of_edge_})
+    for (double& area : *areas) area = std::max(area, least);
 }
 
 void ContactSurface::find_reaches(const Interrupt& interrupt) {

@@ -29,6 +29,10 @@ inline std::array<Vec3, 4> at(std::span<const Vec3> field, const std::array<Inde
   return {field[vertices[0]], field[vertices[1]], field[vertices[2]], field[vertices[3]]};
 }
 
+// The least area that a vertex or an edge stands for, in squares of the spacing: a sliver cannot bear what the cell
+// that carries it presses with.
+inline constexpr double kMinArea = 0.05;
+
 class ContactSurface {
  public:
   using Edge = std::array<Index, 2>;

@@ -28,9 +28,6 @@ ClosestOnTriangle at_edge(const ClosestOnSegment& on, int edge) {
   return result;
 }
 
-// Six times the signed volume of the tetrahedron.
-double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
-
 }  // namespace
 
 ClosestOnSegment closest_on_segment(const Vec3& point, const Vec3& a, const Vec3& b) {
@@ -77,12 +74,16 @@ ClosestOnSegments closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& 
   return best;
 }
 
+// Where the segment goes through the plane is looked for in the plane: of points that lie in it but for rounding, as on
+// a flat face, the signs of volumes say nothing.
 bool segment_meets_triangle(const Vec3& a, const Vec3& b, const std::array<Vec3, 3>& triangle) {
   const auto& [p, q, r] = triangle;
-  const double above = volume(p, q, r, a), below = volume(p, q, r, b);
-  if ((above > 0.0) == (below > 0.0)) return false;
-  const double first = volume(a, b, p, q), second = volume(a, b, q, r), third = volume(a, b, r, p);
-  return (first >= 0.0 && second >= 0.0 && third >= 0.0) || (first <= 0.0 && second <= 0.0 && third <= 0.0);
+  const Vec3 normal = (q - p).cross(r - p);
+  const double above = (a - p).dot(normal), below = (b - p).dot(normal);
+  if ((above > 0.0) == (below > 0.0) || above == below) return false;
+  const Vec3 x = a + above / (above - below) * (b - a);
+  return (q - x).cross(r - x).dot(normal) >= 0.0 && (r - x).cross(p - x).dot(normal) >= 0.0 &&
+         (p - x).cross(q - x).dot(normal) >= 0.0;
 }
 
 }  // namespace lappet

@@ -58,8 +58,12 @@ void SelfContact::evaluate(std::span<const Real> u, std::span<double> gradient, 
   candidates_.cover(places_);
   state.pairs = touching_pairs(surface_, candidates_, places_, stiffness_);
   state.energy = 0.0;
-  for (const TouchingPair& pair : state.pairs) {
-    state.energy += pair.energy;
+  for (const TouchingPair& pair : state.pairs) state.energy += pair.energy;
+  add_gradient(state.pairs, gradient);
+}
+
+void SelfContact::add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const {
+  for (const TouchingPair& pair : pairs)
     for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
       const EmbeddedPoint& point = surface_.embedded(pair.vertices[k]);
       const auto& nodes = surface_.lattice().cell_nodes[point.cell];
@@ -67,12 +71,11 @@ void SelfContact::evaluate(std::span<const Real> u, std::span<double> gradient, 
       for (std::size_t n = 0; n < 8; ++n)
         for (int i = 0; i < 3; ++i) gradient[offset_of(3, nodes[n]) + i] += point.weights[n] * of_vertex[i];
     }
-  }
 }
 
-SparseRows SelfContact::rows(const SelfContactState& state) const {
+SparseRows SelfContact::rows(std::span<const TouchingPair> pairs) const {
   SparseRows result;
-  for (const TouchingPair& pair : state.pairs) {
+  for (const TouchingPair& pair : pairs) {
     const Vec3 along = std::sqrt(pair.stiffness) * pair.normal;
     const auto first = static_cast<std::ptrdiff_t>(result.nodes.size());
     for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
@@ -95,9 +98,9 @@ SparseRows SelfContact::rows(const SelfContactState& state) const {
   return result;
 }
 
-std::vector<SelfContact::Place> SelfContact::places(const SelfContactState& state) const {
+std::vector<SelfContact::Place> SelfContact::places(std::span<const TouchingPair> pairs) const {
   std::vector<Place> result;
-  for (const TouchingPair& pair : state.pairs) {
+  for (const TouchingPair& pair : pairs) {
     Place& place = result.emplace_back();
     place.normal = pair.normal;
     double most = 0.0, other_most = 0.0;
@@ -119,11 +122,22 @@ std::vector<SelfContact::Place> SelfContact::places(const SelfContactState& stat
 }
 
 template <class Real>
-double SelfContact::largest_step(std::span<const Real> u, std::span<const Real> step, double most) {
+void SelfContact::cover(std::span<const Real> u, std::span<const Real> step, double most) {
   surface_.positions(u, places_);
   surface_.displacements(step, ways_);
   for_each_index(ways_.size(), [&](std::size_t v) { ways_[v] *= most; });
   candidates_.cover(places_, ways_);
+}
+
+template <class Real>
+std::vector<TouchingPair> SelfContact::met(std::span<const Real> u, std::span<const Real> step, double most) {
+  cover(u, step, most);
+  return met_pairs(surface_, candidates_, places_, ways_, stiffness_);
+}
+
+template <class Real>
+double SelfContact::largest_step(std::span<const Real> u, std::span<const Real> step, double most) {
+  cover(u, step, most);
   const auto& faces = candidates_.vertex_faces();
   const double share = least_share(faces.size(), 1.0, [&](std::size_t k, double so_far) {
     const auto corners = surface_.corners_of(faces[k].vertex, faces[k].face);
@@ -142,6 +156,8 @@ template std::size_t SelfContact::begin(std::span<const float>);
 template std::size_t SelfContact::begin(std::span<const double>);
 template void SelfContact::evaluate(std::span<const float>, std::span<double>, SelfContactState&);
 template void SelfContact::evaluate(std::span<const double>, std::span<double>, SelfContactState&);
+template std::vector<TouchingPair> SelfContact::met(std::span<const float>, std::span<const float>, double);
+template std::vector<TouchingPair> SelfContact::met(std::span<const double>, std::span<const double>, double);
 template double SelfContact::largest_step(std::span<const float>, std::span<const float>, double);
 template double SelfContact::largest_step(std::span<const double>, std::span<const double>, double);
 

@@ -38,8 +38,13 @@ class SelfContact {
   // Adds the gradient of the energy (3 per node). The same for any number of threads.
   template <class Real>
   void evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state);
-  // The tangent there, positive semidefinite: without what comes of pairs that turn.
-  SparseRows rows(const SelfContactState& state) const;
+  // The tangent of pairs, positive semidefinite: without what comes of pairs that turn.
+  SparseRows rows(std::span<const TouchingPair> pairs) const;
+  // Adds the gradient of their energy (3 per node).
+  void add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const;
+  // What a step would meet, for a model that knows nothing of it (contact_pairs.h).
+  template <class Real>
+  std::vector<TouchingPair> met(std::span<const Real> u, std::span<const Real> step, double most);
   // Where a row's pair touches, at its first side, and where the vertex of that and of the other side is embedded that
   // weighs most.
   struct Place {
@@ -47,7 +52,7 @@ class SelfContact {
     Vec3 at = Vec3::Zero();  // rest, mm
     Index cell = -1, other_cell = -1;
   };
-  std::vector<Place> places(const SelfContactState& state) const;
+  std::vector<Place> places(std::span<const TouchingPair> pairs) const;
 
   // The share of a step, `most` at most, on which no distance falls below a share of what it is.
   template <class Real>
@@ -59,6 +64,10 @@ class SelfContact {
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
 
  private:
+  // Writes where a step begins and goes, and finds the candidates for it.
+  template <class Real>
+  void cover(std::span<const Real> u, std::span<const Real> step, double most);
+
   ContactSurface surface_;
   ContactCandidates candidates_;
   double stiffness_;
