@@ -50,9 +50,7 @@ def _pierced(frames: Sequence[FrameResult]) -> list[Problem]:
     count = first.solved.diagnostics.piercings_before
     others = f", and likewise in {more} other frames" if more else ""
     return [
-        problem(
-            ProblemCode.FRAMES_START_PIERCED, "", count, time=first.constraints.time, count=count, others=others
-        )
+        problem(ProblemCode.FRAMES_START_PIERCED, "", count, time=first.constraints.time, count=count, others=others)
     ]
 
 

@@ -52,7 +52,7 @@ TEST(SelfContactSession, TwoBlocksPressedTogetherBearTheForceOfTheirShortening) 
   s.materials[0].model = "corotated";
   s.materials[0].poissons_ratio = 0.0;
   s.precision = "double";
-  s.tolerance = 1e-6;
+  s.tolerance = 1e-5;
   Session session(s);
   const double gap = 0.3;
   const Surface surface = stacked_blocks(gap);

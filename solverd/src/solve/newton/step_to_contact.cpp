@@ -12,7 +12,7 @@ namespace lappet {
 
 namespace {
 
-constexpr double kFree = 0.7;  // share of a step that is enough
+constexpr double kFreeEnough = 0.7;  // share of a step that is enough
 constexpr int kRounds = 4;
 constexpr int kMaxIterations = 60;
 constexpr double kStepCap = 8.0;  // spacings a node may move, as in the line search
@@ -34,7 +34,7 @@ StepToContact find_step_to_contact(System<Real>& system, TwoLevel<Real>& precond
     if (!equations.carried.empty()) add<Real>(Real(1), equations.carried, whole);
     const double most =
         std::min(1.0, kStepCap * system.lattice().settings.spacing / std::max(largest<Real>(whole), 1e-300));
-    if (system.largest_step(u, whole, most) >= kFree * most) break;
+    if (system.largest_step(u, whole, most) >= kFreeEnough * most) break;
     const std::size_t before = springs.size();
     for (const TouchingPair& pair : contact.template met<Real>(u, whole, most))
       springs.insert_or_assign(pair.vertices, pair);
