@@ -130,12 +130,6 @@ void SelfContact::cover(std::span<const Real> u, std::span<const Real> step, dou
 }
 
 template <class Real>
-std::vector<TouchingPair> SelfContact::met(std::span<const Real> u, std::span<const Real> step, double most) {
-  cover(u, step, most);
-  return met_pairs(surface_, candidates_, places_, ways_, stiffness_);
-}
-
-template <class Real>
 double SelfContact::largest_step(std::span<const Real> u, std::span<const Real> step, double most) {
   cover(u, step, most);
   const auto& faces = candidates_.vertex_faces();
@@ -156,8 +150,6 @@ template std::size_t SelfContact::begin(std::span<const float>);
 template std::size_t SelfContact::begin(std::span<const double>);
 template void SelfContact::evaluate(std::span<const float>, std::span<double>, SelfContactState&);
 template void SelfContact::evaluate(std::span<const double>, std::span<double>, SelfContactState&);
-template std::vector<TouchingPair> SelfContact::met(std::span<const float>, std::span<const float>, double);
-template std::vector<TouchingPair> SelfContact::met(std::span<const double>, std::span<const double>, double);
 template double SelfContact::largest_step(std::span<const float>, std::span<const float>, double);
 template double SelfContact::largest_step(std::span<const double>, std::span<const double>, double);
 

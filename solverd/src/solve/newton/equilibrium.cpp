@@ -15,7 +15,6 @@
 #include "solve/newton/displacement_to_come.h"
 #include "solve/newton/line_search.h"
 #include "solve/newton/local_relaxation.h"
-#include "solve/newton/step_to_contact.h"
 #include "solve/newton/tangent_choice.h"
 
 namespace lappet {
@@ -326,34 +325,8 @@ class EquilibriumSearch {
     });
   }
 
-  // Where tissue is in the way of the step: one that leads up to it.
-  void step_to_contact(bool carries) {
-    const std::vector<Real> before = step_;
-    std::vector<Real> carried;
-    if (carries) {
-      system_.prescribed_increment(u_, increment());
-      carried = linear_vectors_.z;
-    }
-    const StepEquations<Real> equations{now_, [&] { set_right_hand_side(carries); }, carried,
-                                        carries ? kCarryTolerance : kNearTolerance};
-    const StepToContact found =
-        find_step_to_contact<Real>(system_, preconditioner_, u_, equations, linear_vectors_, step_, observer_.stop);
-    outcome_.pcg_iterations += found.pcg_iterations;
-    outcome_.seconds_linear += watch_.lap();
-    if (found.rounds == 0) return;
-    to_come_ = std::numeric_limits<double>::infinity();
-    if (!carries && !(slope_of_step() < 0.0)) step_ = before;
-  }
-
-  double slope_of_step() const {
-    return reduce<1>(step_.size(), [g = now_.gradient.data(), s = step_.data()](std::size_t i, double* out) {
-      out[0] = g[i] * static_cast<double>(s[i]);
-    })[0];
-  }
-
   bool take_step(bool carries) {
     const double minimum_j = now_.minimum_j;
-    if (system_.self_contact()) step_to_contact(carries);
     StepTaken taken;
     if (carries) {
       system_.prescribed_increment(u_, increment());
@@ -377,7 +350,10 @@ class EquilibriumSearch {
         jumped_ = true;
       }
     } else {
-      const double slope = slope_of_step();
+      const double slope =
+          reduce<1>(step_.size(), [g = now_.gradient.data(), s = step_.data()](std::size_t i, double* out) {
+            out[0] = g[i] * static_cast<double>(s[i]);
+          })[0];
       if (!(slope < 0.0)) {
         fail(FailureCode::kNoDescent, "the linear solve gave no descent direction");
         return false;
