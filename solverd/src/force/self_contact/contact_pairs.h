@@ -32,12 +32,6 @@ struct TouchingPair {
   Vec3 gradient(std::size_t k) const { return slope * weights[k] * normal + turning[k]; }
 };
 
-// What a straight step would meet, as springs that hold each such pair at a small distance in the direction in which it
-// meets: slope and stiffness of their energy where the step begins. places, ways: of the vertices; the candidates hold
-// all the way.
-std::vector<TouchingPair> met_pairs(const ContactSurface& surface, const ContactCandidates& candidates,
-                                    std::span<const Vec3> places, std::span<const Vec3> ways, double stiffness);
-
 // places: of the vertices, for which the candidates hold. stiffness: of the barrier, kPa. The same, in the same order,
 // for any number of threads.
 std::vector<TouchingPair> touching_pairs(const ContactSurface& surface, const ContactCandidates& candidates,

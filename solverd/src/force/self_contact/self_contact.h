@@ -42,9 +42,6 @@ class SelfContact {
   SparseRows rows(std::span<const TouchingPair> pairs) const;
   // Adds the gradient of their energy (3 per node).
   void add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const;
-  // What a step would meet, for a model that knows nothing of it (contact_pairs.h).
-  template <class Real>
-  std::vector<TouchingPair> met(std::span<const Real> u, std::span<const Real> step, double most);
   // Where a row's pair touches, at its first side, and where the vertex of that and of the other side is embedded that
   // weighs most.
   struct Place {

@@ -207,10 +207,11 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
-  if (self_contact_)
-    set_self_contact_rows(at.self_contact.pairs);
-  else
-    penalty_rows_.set(contact_penalties_, self_contact_rows_, lattice());
+  if (self_contact_) {
+    self_contact_rows_ = self_contact_->rows(at.self_contact.pairs);
+    self_contact_places_ = self_contact_->places(at.self_contact.pairs);
+  }
+  penalty_rows_.set(contact_penalties_, self_contact_rows_, lattice());
   point_tangent_ = at.point_tangent;
   pressed_from_ = at.pressed;
   pressure_energy_from_ = at.pressure_energy;
@@ -377,13 +378,6 @@ void System<Real>::fit(Multipliers& multipliers) const {
     held.clear();
   else if (held.size() != 3 * free_.size())
     held.assign(3 * free_.size(), 0.0);
-}
-
-template <class Real>
-void System<Real>::set_self_contact_rows(std::span<const TouchingPair> pairs) {
-  self_contact_rows_ = self_contact_->rows(pairs);
-  self_contact_places_ = self_contact_->places(pairs);
-  penalty_rows_.set(contact_penalties_, self_contact_rows_, lattice());
 }
 
 template <class Real>

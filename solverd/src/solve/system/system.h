@@ -72,8 +72,6 @@ class System {
   // What the surface does to itself; null: it passes through itself. A restricted system has none.
   void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
   SelfContact* self_contact() const { return self_contact_.get(); }
-  // Of the tangent: replaces the pairs of the surface by these, as what a step will meet is among them.
-  void set_self_contact_rows(std::span<const TouchingPair> pairs);
   const std::vector<PointConstraint>& point_constraints() const { return point_constraints_; }
   const PointConstraint& point_constraint(const ConstraintId& id) const;
 
