@@ -14,7 +14,8 @@ if(NOT LAPPET_SANITIZE)
   return()
 endif()
 set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1")
-target_compile_definitions(lappet_flags INTERFACE LAPPET_SCALAR_KERNELS _GLIBCXX_ASSERTIONS)
+set(LAPPET_INSTRUCTION_SETS scalar)
+target_compile_definitions(lappet_flags INTERFACE _GLIBCXX_ASSERTIONS)
 target_compile_options(
   lappet_flags
   INTERFACE "-fsanitize=${LAPPET_SANITIZE}" -fno-sanitize-recover=all -fno-omit-frame-pointer
@@ -63,11 +64,11 @@ function(lappet_tests_of_memory_only sources_variable)
   set(${sources_variable} ${sources} PARENT_SCOPE)
 endfunction()
 
-# Removes the sources of the other instruction sets from a list, and of the tests that compare sets. Memory is what can go
-# wrong in a kernel: it is checked by calls, which compile in a third of the time.
-function(lappet_scalar_kernels_only sources_variable)
+# Memory is what can go wrong in a kernel: it is checked by calls, which compile in a third of the time. Removes from a list
+# the tests that compare instruction sets.
+function(lappet_kernels_checked_by_calls sources_variable)
   set(sources ${${sources_variable}})
-  list(FILTER sources EXCLUDE REGEX "_(sse42|avx2|avx512|neon)\\.cpp$|_twins")
+  list(FILTER sources EXCLUDE REGEX "_twins")
   foreach(source IN LISTS sources)
     if(source MATCHES "/elastic_kernels_scalar\\.cpp$" AND LAPPET_SANITIZE MATCHES "undefined")
       set_source_files_properties("${source}" PROPERTIES COMPILE_OPTIONS

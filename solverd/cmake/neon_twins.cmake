@@ -21,7 +21,7 @@ foreach(source tests/force/neon_twins tests/force/kernel_twins tests/force/kerne
   set(object "${neon_directory}/${stem}.cpp.o")
   add_custom_command(
     OUTPUT "${object}"
-    COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} "${LAPPET_AARCH64_CXX}" -std=c++20 -O2 -Wall -Wextra -Wpedantic -Werror
+    COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} "${LAPPET_AARCH64_CXX}" -std=c++20 -O2 -DLAPPET_BUILT_NEON -Wall -Wextra -Wpedantic -Werror
             "-I${CMAKE_CURRENT_SOURCE_DIR}/src" "-I${CMAKE_CURRENT_SOURCE_DIR}/tests" -isystem "${neon_directory}/include"
             -MMD -MF "${object}.d" -c "${CMAKE_CURRENT_SOURCE_DIR}/${source}.cpp" -o "${object}"
     DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/${source}.cpp"

@@ -78,10 +78,12 @@ def test_refusals_are_one_sentence_and_status_1(home: Path, tmp_path: Path) -> N
         run("allow", "anna", "--key", "nonsense", "--role", "author", "--keys", tmp_path / "keys"),
         run("revoke", "anna", "--keys", tmp_path / "keys"),
         run("list", "--keys", tmp_path / "nothing"),
+        run("new", "--server", "ward 7\x1b[2J", "--keys", tmp_path / "others"),
     ):
         assert refused.exit_code == 1
         assert len(refused.stderr.strip().splitlines()) == 1
         assert "Traceback" not in refused.output
+    assert not (tmp_path / "others").exists()
 
 
 def test_a_damaged_file_is_named_and_the_status_is_1(home: Path, tmp_path: Path) -> None:

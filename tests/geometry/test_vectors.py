@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from lappet.geometry.vectors import cross, dot, length, triangle_corners, unit
+from lappet.geometry.vectors import bounds, cross, dot, length, triangle_corners, unit
 
 GENERATOR = np.random.default_rng(5)
 A, B = (GENERATOR.normal(size=(1000, 3)) * 10.0 ** GENERATOR.integers(-6, 7, (1000, 3)) for _ in range(2))
@@ -23,3 +24,8 @@ def test_a_vector_without_length_has_no_direction() -> None:
 def test_corners_of_triangles_come_coordinate_first() -> None:
     triangles = GENERATOR.integers(0, len(A), (50, 3))
     assert (triangle_corners(A, triangles).transpose(2, 1, 0) == A[triangles]).all()
+
+
+@pytest.mark.parametrize("count", [1, 63, 64, 65, 1000])
+def test_the_box_around_points_reaches_from_the_least_to_the_greatest_coordinates(count: int) -> None:
+    assert (bounds(A[:count]) == [A[:count].min(axis=0), A[:count].max(axis=0)]).all()

@@ -128,7 +128,9 @@ def test_the_image_is_debian_and_runs_as_a_user_without_a_name_of_power() -> Non
     user, group = instruction("USER").split(":")
     assert int(user) > 0
     assert int(group) > 0
-    assert instruction("VOLUME") == option(image_command(), "--keys") == "/keys"
+    # A declared volume that nobody mounts is made anew in silence, with other keys.
+    assert "VOLUME" not in [word for word, _ in recipe()]
+    assert option(image_command(), "--keys") == "/keys"
     assert instruction("EXPOSE") == f"{PORT}/tcp"
 
 
@@ -141,7 +143,14 @@ def test_the_image_holds_no_secret_and_nothing_but_the_wheel() -> None:
 
 def test_the_recipe_says_to_run_the_image_in_a_cage() -> None:
     said = " ".join(line.lstrip("# ").rstrip("\\ ") for line in RECIPE.read_text(encoding="utf-8").splitlines()[:20])
-    for part in ("--read-only", "--cap-drop ALL", "--security-opt no-new-privileges", "--memory 16g", "--pids-limit"):
+    for part in (
+        "--read-only",
+        "--cap-drop ALL",
+        "--security-opt no-new-privileges",
+        "--memory 16g",
+        "--pids-limit",
+        ":/keys ",
+    ):
         assert part in said
 
 

@@ -48,9 +48,12 @@ def new(context: click.Context, /, name: str | None, server: bool, folder: Path 
 
 
 def _new_server(folder: Path, name: str | None) -> None:
+    from lappet.daemon.key_files import require_name
     from lappet.daemon.keys_folder import KeysFolder
     from lappet.daemon.process import BINARY, DaemonMissing, find_daemon
 
+    if name is not None:
+        require_name(name)
     made = KeysFolder(folder)
     pair = made.make_server(name or "a Lappet daemon")
     try:

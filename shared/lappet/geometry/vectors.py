@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+_ROW = 64  # points that are taken as one row of numbers
 Real = TypeVar("Real", bound=np.floating[Any])
 
 
@@ -80,6 +81,28 @@ def unit(vectors: NDArray[Real]) -> NDArray[Real]:
     """
     size = length(vectors)
     return vectors / (size + (size == 0.0))
+
+
+def bounds(points: NDArray[Real]) -> NDArray[Real]:
+    """Find the box around points.
+
+    Parameters
+    ----------
+    points
+        At least one point, shape (n, 3), row by row in memory.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The least and the greatest coordinates, shape (2, 3).
+    """
+    whole = len(points) // _ROW * _ROW
+    wide, rest = points[:whole].reshape(-1, 3 * _ROW), points[whole:]
+    found = []
+    for extreme in (np.min, np.max):
+        parts = [extreme(wide, axis=0).reshape(_ROW, 3)] if whole else []
+        found.append(extreme(np.concatenate([*parts, rest]), axis=0))
+    return np.stack(found)
 
 
 def triangle_corners(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.program.program import Program
 from lappet.solve.reactions import Reaction, reactions
 from lappet.solve.section_tension import section_tensions
+from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr
 
 
@@ -45,7 +45,7 @@ def _write_reactions(stage: Any, frames: Sequence[SolvedFrame], rows: Sequence[S
         values = np.zeros((len(held), 3))
         for row in own:
             values[held.index((row.holder, row.name))] = row.force_x_mn, row.force_y_mn, row.force_z_mn
-        force.Set(_vectors(values), frame.time)
+        force.Set(vectors(values), frame.time)
 
 
 def _write_sections(stage: Any, program: Program, frames: Sequence[SolvedFrame]) -> None:
@@ -62,7 +62,7 @@ def _write_sections(stage: Any, program: Program, frames: Sequence[SolvedFrame])
     rows = section_tensions(program, [(epochs[frame.time], frame) for frame in frames])
     for index, frame in enumerate(frames):
         own = rows[index * count : (index + 1) * count]
-        force.Set(_vectors(np.array([(row.force_x_mn, row.force_y_mn, row.force_z_mn) for row in own])), frame.time)
+        force.Set(vectors(np.array([(row.force_x_mn, row.force_y_mn, row.force_z_mn) for row in own])), frame.time)
         known = [row.tension_n_per_mm for row in own]
         tension.Set(usd.Vt.FloatArray([float("nan") if each is None else each for each in known]), frame.time)
 
@@ -75,7 +75,3 @@ def _primvars(stage: Any, name: str) -> Any:
 def _primvar(primvars: Any, name: str, kind: Any, count: int) -> Any:
     """A primvar of one value with an element for each of a scope's rows: a scope has nothing to vary over."""
     return primvars.CreatePrimvar(name, kind, pxr().UsdGeom.Tokens.constant, count)
-
-
-def _vectors(values: NDArray[Any]) -> Any:
-    return pxr().Vt.Vec3fArray.FromNumpy(np.require(values, np.float32, ["C", "A"]))

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.solve.seam_measures import SeamState
 from lappet.solve.seams import SAMPLES
+from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr
 
 _WIDTH_MM = 0.4
@@ -71,9 +71,9 @@ def write_seams(stage: Any, frames: Sequence[SolvedFrame], states: Sequence[Seam
         for k, state in enumerate(known):
             if state is not None:
                 points[k] = state.points
-        curves.CreatePointsAttr().Set(_vectors(points.reshape(-1, 3)), frame.time)
+        curves.CreatePointsAttr().Set(vectors(points.reshape(-1, 3)), frame.time)
         low, high = points.min(axis=(0, 1)) - 0.5 * _WIDTH_MM, points.max(axis=(0, 1)) + 0.5 * _WIDTH_MM
-        curves.CreateExtentAttr().Set(_vectors(np.stack([low, high])), frame.time)
+        curves.CreateExtentAttr().Set(vectors(np.stack([low, high])), frame.time)
         active.Set(usd.Vt.IntArray([int(state is not None) for state in known]), frame.time)
         for name, primvar in by_place.items():
             rows = [np.zeros(SAMPLES) if state is None else getattr(state, name) for state in known]
@@ -81,7 +81,3 @@ def write_seams(stage: Any, frames: Sequence[SolvedFrame], states: Sequence[Seam
         for name, primvar in whole.items():
             values = [None if state is None else getattr(state.measure, _WHOLE[name]) for state in known]
             primvar.Set(usd.Vt.FloatArray([float("nan") if value is None else value for value in values]), frame.time)
-
-
-def _vectors(values: NDArray[Any]) -> Any:
-    return pxr().Vt.Vec3fArray.FromNumpy(np.require(values, np.float32, ["C", "A"]))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -15,29 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.version import version
-from lappet.cutting.epoch import Epoch
-from lappet.daemon.solved_frame import SCALARS, SolvedFrame
-from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.output.boundary_forces import write_boundary_forces
+from lappet.output.epoch_mesh import write_epoch
 from lappet.output.force_errors import write_force_errors
 from lappet.output.seam_curves import write_seams
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_points
 from lappet.solve.measures import FrameMeasures
+from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr, save_layer
 
-SUBSETS = {
-    FaceOrigin.SKIN: "skin",
-    FaceOrigin.WOUND_WALL: "woundWall",
-    FaceOrigin.UNDERSIDE: "underside",
-    FaceOrigin.RIM: "rim",
-}
-# What viewers show without materials: skin, flesh, fat, fat.
-_COLORS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
 _THREAD_MM, _STEEL_MM, _MARK_MM = 0.3, 0.5, 1.0
-_INSTANT = 1.0 / 1024.0  # of a frame
 
 
 def write_skin_cache(
@@ -103,10 +95,12 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     usd.UsdGeom.Xform.Define(stage, "/Procedure/Skin")
     times = [frame.time for frame in frames]
     epochs = {constraints.time: constraints.epoch for constraints in program.frames}
-    for epoch in program.epochs:
-        own = [frame for frame in frames if epochs[frame.time] == epoch.index]
-        if own:
-            _write_epoch(stage, epoch, own, times, program.fps)
+    shown = [epoch for epoch in program.epochs if epoch.index in {epochs[time] for time in times}]
+    with ThreadPoolExecutor() as pool:  # what numpy computes, it computes in several threads at once
+        shaded = pool.map(lambda epoch: ShadingNormals(epoch.surface), shown)
+        for epoch, shading in zip(shown, shaded, strict=True):
+            own = [frame for frame in frames if epochs[frame.time] == epoch.index]
+            write_epoch(stage, epoch, shading, own, times, program.fps, pool)
     _write_sutures(stage, procedure, program, frames)
     _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
@@ -127,76 +121,6 @@ def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequen
     layer.customLayerData = {"lappet": {"version": version(), "spacing": program.settings.spacing, "lastKey": last_key}}
 
 
-def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: Sequence[float], fps: float) -> None:
-    usd = pxr()
-    surface = epoch.surface
-    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
-    mesh = usd.UsdGeom.Mesh.Define(stage, f"/Procedure/Skin/epoch_{epoch.index:02d}")
-    mesh.CreateFaceVertexCountsAttr(usd.Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, np.int32)))
-    mesh.CreateFaceVertexIndicesAttr(
-        usd.Vt.IntArray.FromNumpy(np.ascontiguousarray(surface.triangles.ravel(), np.int32))
-    )
-    mesh.CreateSubdivisionSchemeAttr(usd.UsdGeom.Tokens.none)
-    for origin, name in SUBSETS.items():
-        faces = np.flatnonzero(surface.origin == origin).astype(np.int32)
-        usd.UsdGeom.Subset.CreateGeomSubset(
-            mesh,
-            name,
-            usd.UsdGeom.Tokens.face,
-            usd.Vt.IntArray.FromNumpy(faces),
-            "lappet",
-            usd.UsdGeom.Tokens.partition,
-        )
-    primvars = usd.UsdGeom.PrimvarsAPI(mesh)
-    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
-    st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
-    st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
-    color = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
-    color.Set(_vectors(_COLORS))
-    color.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
-    shading = ShadingNormals(surface)
-    normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
-    normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
-    measured = [
-        name for name in SCALARS if all(frame.scalar(name) is not None for frame in frames)
-    ]  # --no-strain: none
-    scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
-    points, velocities, extent = mesh.CreatePointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
-    points.Set(_vectors(surface.points))  # at no time: at rest, which taut tissue leaves as soon as it is cut
-    moved = [np.asarray(frame.points, np.float32) for frame in frames]
-    for i, frame in enumerate(frames):
-        time = frame.time
-        points.Set(_vectors(moved[i]), time)
-        normals.Set(_vectors(shading.at(moved[i])), time)
-        velocities.Set(_vectors(_velocity(moved, i, fps)), time)
-        extent.Set(_vectors(np.stack([moved[i].min(axis=0), moved[i].max(axis=0)])), time)
-        for name, primvar in scalars.items():
-            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
-    own = {frame.time for frame in frames}
-    visibility = mesh.CreateVisibilityAttr()
-    # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
-    scale = mesh.AddScaleOp()
-    before: bool | None = None
-    for time in times:
-        shown = time in own
-        visibility.Set(tokens.inherited if shown else tokens.invisible, time)
-        if before is not None and shown is not before:
-            scale.Set(usd.Gf.Vec3f(float(before)), time - _INSTANT)
-        scale.Set(usd.Gf.Vec3f(float(shown)), time)
-        before = shown
-
-
-def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:
-    """Velocity (n, 3) in mm/s at frame i of an epoch.
-
-    Central differences, one-sided at the ends of the epoch, 0 for a single frame.
-    """
-    before, after = max(i - 1, 0), min(i + 1, len(points) - 1)
-    if before == after:
-        return np.zeros_like(points[i])
-    return ((points[after] - points[before]) * np.float32(fps / (after - before))).astype(np.float32)
-
-
 def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
     """Two points per suture, in the order in which they are placed; on one spot until then."""
     if not program.sutures:
@@ -214,9 +138,7 @@ def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: S
         forces[frame.suture_index] = frame.suture_forces
         pull.Set(usd.Vt.FloatArray.FromNumpy(forces), frame.time)
         if len(frame.suture_force_vectors) == len(frame.suture_index):
-            vector.Set(
-                _vectors(_rows(len(program.sutures), frame.suture_index, frame.suture_force_vectors)), frame.time
-            )
+            vector.Set(vectors(_rows(len(program.sutures), frame.suture_index, frame.suture_force_vectors)), frame.time)
         active = np.zeros(len(program.sutures), np.int32)
         active[frame.suture_index] = 1
         held[frame.suture_index] = frame.suture_points
@@ -255,7 +177,7 @@ def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Seq
         held[:, 1] = held[:, 0]
         held[frame.hook_index, 0] = frame.hook_points
         if len(frame.hook_forces) == len(frame.hook_index):
-            vector.Set(_vectors(_rows(len(program.hooks), frame.hook_index, frame.hook_forces)), frame.time)
+            vector.Set(vectors(_rows(len(program.hooks), frame.hook_index, frame.hook_forces)), frame.time)
         pulled = constraints[frame.time]
         held[pulled.hook_index, 1] = pulled.hook_targets
         _set_curves(curves, held, active, frame.time)
@@ -281,7 +203,7 @@ def _write_landmarks(stage: Any, procedure: Procedure, program: Program, frames:
         positions[index] = frame.landmarks
         flags = np.zeros(count, np.int32)
         flags[index] = 1
-        marks.CreatePointsAttr().Set(_vectors(positions), time)
+        marks.CreatePointsAttr().Set(vectors(positions), time)
         active.Set(usd.Vt.IntArray.FromNumpy(flags), time)
         marks.CreateExtentAttr().Set(_box(positions, _MARK_MM), time)
 
@@ -317,14 +239,10 @@ def _rows(count: int, index: NDArray[np.int32], values: NDArray[np.float64]) -> 
 def _set_curves(curves: Any, ends: NDArray[np.float64], active: NDArray[np.int32], time: float) -> None:
     usd = pxr()
     points = ends.reshape(-1, 3)
-    curves.GetPointsAttr().Set(_vectors(points), time)
+    curves.GetPointsAttr().Set(vectors(points), time)
     curves.CreateExtentAttr().Set(_box(points, float(curves.GetWidthsAttr().Get()[0])), time)
     usd.UsdGeom.PrimvarsAPI(curves).GetPrimvar("active").Set(usd.Vt.IntArray.FromNumpy(active), time)
 
 
 def _box(points: NDArray[np.float64], width: float) -> Any:
-    return _vectors(np.stack([points.min(axis=0) - width / 2, points.max(axis=0) + width / 2]))
-
-
-def _vectors(values: NDArray[Any]) -> Any:
-    return pxr().Vt.Vec3fArray.FromNumpy(np.require(values, np.float32, ["C", "A"]))
+    return vectors(np.stack([points.min(axis=0) - width / 2, points.max(axis=0) + width / 2]))

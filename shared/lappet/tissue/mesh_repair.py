@@ -7,6 +7,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.nesting import outermost_around
 from lappet.geometry.surface_check import directed_edges, open_edges, signed_volume, unique_edges
 from lappet.geometry.triangulation import clip_ears
 from lappet.tissue.mesh_file import Mesh
@@ -58,8 +59,9 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
 def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
     """Turn neighboring faces alike: closed parts outwards, open parts as most of their faces were.
 
-    Faces that meet along an edge of three or more are not compared. A surface that cannot be turned alike (a Möbius
-    strip) is left with its seam, which the later check names.
+    A closed part inside another one is a cavity of it, and turned inwards, if the file turns the two against each
+    other. Faces that meet along an edge of three or more are not compared. A surface that cannot be turned alike (a
+    Möbius strip) is left with its seam, which the later check names.
 
     Parameters
     ----------
@@ -100,23 +102,34 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
         parts += 1
     flipped = mesh.triangles.copy()
     flipped[turned] = flipped[turned][:, ::-1]
-    inside_out = 0
-    for k in range(parts):
-        faces = np.flatnonzero(part == k)
-        if len(open_edges(flipped[faces])) == 0:
-            if signed_volume(mesh.points, flipped[faces]) < 0.0:
-                turned[faces] = ~turned[faces]
-                inside_out += 1
-        elif turned[faces].mean() > 0.5:
+    members = [np.flatnonzero(part == k) for k in range(parts)]
+    closed = [faces for faces in members if len(open_edges(flipped[faces])) == 0]
+    for faces in members:
+        # What most faces of the part say.
+        if turned[faces].mean() > 0.5:
             turned[faces] = ~turned[faces]
+            flipped[faces] = flipped[faces][:, ::-1]
+    inside_out = _inside_out(mesh.points, [flipped[faces] for faces in closed])
+    for k in inside_out:
+        turned[closed[k]] = ~turned[closed[k]]
     triangles, uv = mesh.triangles.copy(), None if mesh.uv is None else mesh.uv.copy()
     triangles[turned] = triangles[turned][:, ::-1]
     if uv is not None:
         uv[turned] = uv[turned][:, ::-1]
     lines = [f"turned {int(turned.sum())} faces whose normals pointed the wrong way"] if turned.any() else []
     if inside_out:
-        lines.append(f"of them those of {inside_out} closed part{'s' * (inside_out != 1)} turned inside out")
+        lines.append(f"of them those of {len(inside_out)} closed part{'s' * (len(inside_out) != 1)} turned inside out")
     return Mesh(mesh.points, triangles, uv), lines
+
+
+def _inside_out(points: NDArray[np.float64], closed: list[NDArray[np.int64]]) -> list[int]:
+    """Which of the closed parts (m, 3) are to be turned, so that all face outwards but the walls of cavities."""
+    outwards = [signed_volume(points, part) >= 0.0 for part in closed]
+    cavity = [False] * len(closed)
+    if len(set(outwards)) > 1:  # else no part is turned against another
+        for k, around in enumerate(outermost_around(points, closed)):
+            cavity[k] = around is not None and outwards[k] != outwards[around]
+    return [k for k, out in enumerate(outwards) if out == cavity[k]]
 
 
 def fill(mesh: Mesh, loops: list[NDArray[np.int64]]) -> Mesh:

@@ -21,6 +21,7 @@ from lappet.procedure import Tissue
 from lappet.tissue.crop_mesh import Level, box_levels, crop, near, refine_smoothly, sphere_level
 from lappet.tissue.mesh_file import Mesh, read_mesh
 from lappet.tissue.mesh_repair import fill, orient, weld
+from lappet.tissue.outer_part import outer_part
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
 
@@ -90,15 +91,20 @@ def new_tissue(
     holes = border_loops(mesh.triangles)
     lines.append("watertight" if closed else f"not watertight: {len(holes)} open borders")
 
-    levels = sphere_level(*sphere) if sphere else box_levels(*box) if box else None
-    if levels is not None:
+    levels: list[Level] = []
+    middle = np.zeros(3)
+    if sphere is not None:
+        levels, middle = sphere_level(*sphere), np.asarray(sphere[0], np.float64)
+    elif box is not None:
+        levels, middle = box_levels(*box), np.mean(np.asarray(box, np.float64), axis=0)
+    if levels:
         if thickness is None:
             raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
-        mesh = _region(mesh, levels, resolution or thickness, name, lines)
+        mesh = _region(mesh, levels, middle, resolution or thickness, name, lines)
     if thickness is None:
         tissue = _closed_tissue(mesh, spacing, name, lines)
     else:
-        if levels is None and closed:
+        if not levels and closed:
             raise refused(ProblemCode.SHEET_OF_CLOSED_SURFACE, name, f"{thickness:g}")
         tissue = _sheet_tissue(mesh, thickness, spacing, name, lines)
     return tissue, lines
@@ -122,8 +128,10 @@ def chosen_spacing(volume: float, thickness: float = 0.0) -> float:
     return float(f"{max(thickness / 4.0, (volume / _CELLS) ** (1.0 / 3.0)):.2g}")
 
 
-def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list[str]) -> Mesh:
-    """The largest connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
+def _region(
+    mesh: Mesh, levels: list[Level], middle: NDArray[np.float64], edge: float, name: str, lines: list[str]
+) -> Mesh:
+    """One connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
     low, high = place(mesh.points.min(axis=0)), place(mesh.points.max(axis=0))
     triangles = near(mesh.points, mesh.triangles, levels)
     if len(triangles) == 0:
@@ -135,7 +143,9 @@ def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list
     points, triangles = crop(points, triangles, levels)
     if len(triangles) == 0:
         raise refused(ProblemCode.REGION_EMPTY, name, low=low, high=high)
-    return _largest_part(Mesh(points, triangles), lines)
+    part, line = outer_part(mesh, Mesh(points, triangles), middle)
+    lines += [] if line is None else [line]
+    return part
 
 
 def _largest_part(mesh: Mesh, lines: list[str]) -> Mesh:
@@ -161,7 +171,12 @@ def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str
     volume = signed_volume(mesh.points, mesh.triangles)
     if spacing is None:
         spacing = chosen_spacing(volume)
-    lines.append(f"closed tissue: {len(mesh.triangles)} triangles, {volume:.4g} mm³, lattice spacing {spacing:g} mm")
+    part = parts_of(mesh.triangles, len(mesh.points))
+    cavities = sum(signed_volume(mesh.points, mesh.triangles[part == each]) < 0.0 for each in np.unique(part))
+    hollow = f" with {cavities} cavit{'ies' if cavities > 1 else 'y'}" if cavities else ""
+    lines.append(
+        f"closed tissue{hollow}: {len(mesh.triangles)} triangles, {volume:.4g} mm³, lattice spacing {spacing:g} mm"
+    )
     return Tissue(
         points=_single(mesh.points),
         face_vertex_counts=np.full(len(mesh.triangles), 3, np.int32),

@@ -24,16 +24,23 @@ std::string_view name(InstructionSet set) {
 
 std::vector<InstructionSet> available_instruction_sets() {
   std::vector<InstructionSet> sets{InstructionSet::kScalar};
-#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
-#elif defined(__x86_64__)
+#if defined(__x86_64__)
   __builtin_cpu_init();
+#endif
+  // Which sets have kernels, solverd/cmake/InstructionSets.cmake says.
+#if defined(LAPPET_BUILT_SSE42)
   if (__builtin_cpu_supports("sse4.2")) sets.push_back(InstructionSet::kSse42);
+#endif
+#if defined(LAPPET_BUILT_AVX2)
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) sets.push_back(InstructionSet::kAvx2);
+#endif
+#if defined(LAPPET_BUILT_AVX512)
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx512f") &&
       __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
       __builtin_cpu_supports("avx512vl"))
     sets.push_back(InstructionSet::kAvx512);
-#elif defined(__aarch64__)
+#endif
+#if defined(LAPPET_BUILT_NEON)
   sets.push_back(InstructionSet::kNeon);
 #endif
   return sets;

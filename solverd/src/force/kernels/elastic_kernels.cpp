@@ -11,18 +11,22 @@ ElasticKernels<Real> elastic_kernels(InstructionSet set, const SceneFeatures& fe
     case InstructionSet::kScalar:
       fill_elastic_kernels_scalar(features, kernels);
       return kernels;
-#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
-#elif defined(__x86_64__)
+#if defined(LAPPET_BUILT_SSE42)
     case InstructionSet::kSse42:
       fill_elastic_kernels_sse42(features, kernels);
       return kernels;
+#endif
+#if defined(LAPPET_BUILT_AVX2)
     case InstructionSet::kAvx2:
       fill_elastic_kernels_avx2(features, kernels);
       return kernels;
+#endif
+#if defined(LAPPET_BUILT_AVX512)
     case InstructionSet::kAvx512:
       fill_elastic_kernels_avx512(features, kernels);
       return kernels;
-#elif defined(__aarch64__)
+#endif
+#if defined(LAPPET_BUILT_NEON)
     case InstructionSet::kNeon:
       fill_elastic_kernels_neon(features, kernels);
       return kernels;

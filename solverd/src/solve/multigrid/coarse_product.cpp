@@ -11,18 +11,22 @@ CoarseProduct<Real> coarse_product(InstructionSet set) {
     case InstructionSet::kScalar:
       fill_coarse_product_scalar(product);
       return product;
-#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
-#elif defined(__x86_64__)
+#if defined(LAPPET_BUILT_SSE42)
     case InstructionSet::kSse42:
       fill_coarse_product_sse42(product);
       return product;
+#endif
+#if defined(LAPPET_BUILT_AVX2)
     case InstructionSet::kAvx2:
       fill_coarse_product_avx2(product);
       return product;
+#endif
+#if defined(LAPPET_BUILT_AVX512)
     case InstructionSet::kAvx512:
       fill_coarse_product_avx512(product);
       return product;
-#elif defined(__aarch64__)
+#endif
+#if defined(LAPPET_BUILT_NEON)
     case InstructionSet::kNeon:
       fill_coarse_product_neon(product);
       return product;

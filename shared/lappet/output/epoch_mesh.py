@@ -1,0 +1,138 @@
+"""The mesh prim of one epoch in the skin cache: its topology once, its places, normals and fields frame by frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.solved_frame import SCALARS, SolvedFrame
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.shading_normals import ShadingNormals
+from lappet.geometry.vectors import bounds
+from lappet.usd.arrays import vectors
+from lappet.usd.stage import pxr
+
+SUBSETS = {
+    FaceOrigin.SKIN: "skin",
+    FaceOrigin.WOUND_WALL: "woundWall",
+    FaceOrigin.UNDERSIDE: "underside",
+    FaceOrigin.RIM: "rim",
+}
+# What viewers show without materials: skin, flesh, fat, fat.
+_COLORS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
+_INSTANT = 1.0 / 1024.0  # of a frame
+
+
+def write_epoch(
+    stage: Any,
+    epoch: Epoch,
+    shading: ShadingNormals,
+    frames: Sequence[SolvedFrame],
+    times: Sequence[float],
+    fps: float,
+    pool: ThreadPoolExecutor,
+) -> None:
+    """Write the skin of an epoch, shown at its own frames alone.
+
+    Parameters
+    ----------
+    stage
+        The stage of the cache.
+    epoch
+        The epoch.
+    shading
+        The smooth groups of its surface.
+    frames
+        Its solved frames, one after the other.
+    times
+        Time codes of all frames of the cache.
+    fps
+        Frames a second.
+    pool
+        Threads to compute in.
+    """
+    mesh = _define(stage, epoch)
+    _animate(mesh, shading, frames, fps, pool)
+    _show(mesh, {frame.time for frame in frames}, times)
+
+
+def _define(stage: Any, epoch: Epoch) -> Any:
+    """The mesh at rest, with what does not change: topology, subsets, texture coordinates and colors."""
+    usd = pxr()
+    surface: Surface = epoch.surface
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
+    mesh = usd.UsdGeom.Mesh.Define(stage, f"/Procedure/Skin/epoch_{epoch.index:02d}")
+    mesh.CreateFaceVertexCountsAttr(usd.Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(
+        usd.Vt.IntArray.FromNumpy(np.ascontiguousarray(surface.triangles.ravel(), np.int32))
+    )
+    mesh.CreateSubdivisionSchemeAttr(tokens.none)
+    for origin, name in SUBSETS.items():
+        faces = usd.Vt.IntArray.FromNumpy(np.flatnonzero(surface.origin == origin).astype(np.int32))
+        usd.UsdGeom.Subset.CreateGeomSubset(mesh, name, tokens.face, faces, "lappet", tokens.partition)
+    primvars = usd.UsdGeom.PrimvarsAPI(mesh)
+    st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
+    st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
+    color = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
+    color.Set(vectors(_COLORS))
+    color.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
+    # At no time: at rest, which taut tissue leaves as soon as it is cut.
+    mesh.CreatePointsAttr().Set(vectors(surface.points))
+    return mesh
+
+
+def _animate(
+    mesh: Any, shading: ShadingNormals, frames: Sequence[SolvedFrame], fps: float, pool: ThreadPoolExecutor
+) -> None:
+    usd = pxr()
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
+    primvars = usd.UsdGeom.PrimvarsAPI(mesh)
+    normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
+    normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
+    # With --no-strain there are none.
+    measured = [name for name in SCALARS if all(frame.scalar(name) is not None for frame in frames)]
+    scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
+    points, velocities, extent = mesh.GetPointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
+    moved = [np.asarray(frame.points, np.float32) for frame in frames]
+    shaded = pool.map(shading.at, moved)
+    speeds = pool.map(lambda i: _velocity(moved, i, fps), range(len(moved)))
+    for frame, place, normal, velocity in zip(frames, moved, shaded, speeds, strict=True):
+        time = frame.time
+        points.Set(vectors(place), time)
+        normals.Set(vectors(normal), time)
+        velocities.Set(vectors(velocity), time)
+        extent.Set(vectors(bounds(place)), time)
+        for name, primvar in scalars.items():
+            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
+
+
+def _show(mesh: Any, own: set[float], times: Sequence[float]) -> None:
+    usd = pxr()
+    tokens = usd.UsdGeom.Tokens
+    visibility = mesh.CreateVisibilityAttr()
+    # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
+    scale = mesh.AddScaleOp()
+    before: bool | None = None
+    for time in times:
+        shown = time in own
+        visibility.Set(tokens.inherited if shown else tokens.invisible, time)
+        if before is not None and shown is not before:
+            scale.Set(usd.Gf.Vec3f(float(before)), time - _INSTANT)
+        scale.Set(usd.Gf.Vec3f(float(shown)), time)
+        before = shown
+
+
+def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:
+    """Velocity (n, 3) in mm/s at frame i of an epoch.
+
+    Central differences, one-sided at the ends of the epoch, 0 for a single frame.
+    """
+    before, after = max(i - 1, 0), min(i + 1, len(points) - 1)
+    if before == after:
+        return np.zeros_like(points[i])
+    return ((points[after] - points[before]) * np.float32(fps / (after - before))).astype(np.float32)

@@ -1,0 +1,85 @@
+"""Which of the parts of a surface inside a region is meant: of a head with inner walls, the skin."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.geometry.axis_rays import AxisRays
+from lappet.geometry.closest_point import closest_points
+from lappet.geometry.connected_parts import parts_of
+from lappet.geometry.triangles import area_normals, areas, directions
+from lappet.tissue.mesh_file import Mesh
+
+_LINES = 500  # from so many triangles of a part it is seen which way the part faces
+_AHEAD = 1e-6  # of the surface's extent: what a line meets nearer than this is the triangle that it starts from
+
+
+def outer_part(surface: Mesh, inside: Mesh, center: NDArray[np.float64]) -> tuple[Mesh, str | None]:
+    """Choose the connected part that is nearest to the region's center among those that face outwards.
+
+    Where none faces outwards it is the nearest of all.
+
+    Parameters
+    ----------
+    surface
+        The whole surface, oriented.
+    inside
+        What of it lies in the region.
+    center
+        Center of the region in mm, shape (3,).
+
+    Returns
+    -------
+    tuple[Mesh, str | None]
+        The part, and a line about what was left out; None where there is but one part.
+    """
+    label = parts_of(inside.triangles, len(inside.points))
+    numbers = np.unique(label)
+    parts = [inside.triangles[label == number] for number in numbers]
+    if len(parts) > 1:
+        out = [part for part in parts if faces_out(surface, inside.points[part])]
+        which = "that faces outwards" if out else "of all, as none faces outwards,"
+        away = [float(closest_points(center[None], inside.points, part)[2][0]) for part in out or parts]
+        chosen = (out or parts)[int(np.argmin(away))]
+        size, whole = areas(inside.points[chosen]).sum(), areas(inside.points[inside.triangles]).sum()
+        line = (
+            f"of {len(parts)} separate parts in the region kept the one {which} nearest to its center, "
+            f"{size:.4g} of {whole:.4g} mm²"
+        )
+    else:
+        chosen, line = inside.triangles, None
+    used, compact = np.unique(chosen, return_inverse=True)
+    return Mesh(inside.points[used], compact.reshape(-1, 3)), line
+
+
+def faces_out(surface: Mesh, corners: NDArray[np.float64]) -> bool:
+    """Tell whether a part of a surface is seen from outside it.
+
+    From its triangles lines run along the part's mean normal; the part faces outwards if at least half of them, by
+    area, meet the surface no more. Triangles that face away from the mean normal are not asked.
+
+    Parameters
+    ----------
+    surface
+        The whole surface.
+    corners
+        Triangles of the part, oriented as the surface is, in its unit, shape (p, 3, 3).
+
+    Returns
+    -------
+    bool
+        Whether it faces outwards.
+    """
+    normals = area_normals(corners)
+    ahead = directions(normals.sum(axis=0, keepdims=True))
+    asked = np.flatnonzero(normals @ ahead[0] > 0.0)
+    asked = asked[:: max(1, len(asked) // _LINES)]
+    # The surface turned so that the lines run along an axis: the last of three directions at right angles.
+    turn = np.roll(np.linalg.svd(ahead)[2], -1, axis=0)
+    turn[2] = ahead[0]
+    lines = AxisRays(surface.points @ turn.T, surface.triangles, 2).crossings(corners[asked].mean(axis=1) @ turn.T)
+    near = _AHEAD * float(np.ptp(surface.points, axis=0).max())
+    free = np.bincount(lines.line[lines.along > near], minlength=len(asked)) == 0
+    weight = areas(corners[asked])
+    return bool(weight[free].sum() >= 0.5 * weight.sum() > 0.0)

@@ -1,0 +1,47 @@
+# The instruction sets that kernels are compiled for, beside plain C++ (math/instruction_set.h). A kernel file says its set
+# at the end of its name. LAPPET_INSTRUCTION_SETS leaves some out, for yardsticks and sanitizers: each takes minutes.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(lappet_sets sse42 avx2 avx512)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")
+  set(lappet_sets neon)
+else()
+  set(lappet_sets)
+endif()
+if(LAPPET_INSTRUCTION_SETS)
+  if(LAPPET_BUILD_TESTS AND NOT LAPPET_SANITIZE)
+    message(FATAL_ERROR "the unit tests compare all instruction sets: with LAPPET_INSTRUCTION_SETS build without tests")
+  endif()
+  foreach(set IN LISTS LAPPET_INSTRUCTION_SETS)
+    if(NOT set IN_LIST lappet_sets AND NOT set STREQUAL "scalar")
+      message(FATAL_ERROR "LAPPET_INSTRUCTION_SETS names \"${set}\"; it may name scalar and ${lappet_sets}")
+    endif()
+  endforeach()
+  set(lappet_sets ${LAPPET_INSTRUCTION_SETS})
+endif()
+# The flags are exactly what math/instruction_set.cpp asks the processor for.
+set(lappet_flags_of_avx2 -mavx2 -mfma)
+# GCC's own headers of this set leave registers undefined on purpose
+set(lappet_flags_of_avx512 -mavx2 -mfma -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl -mprefer-vector-width=512
+    -Wno-uninitialized -Wno-maybe-uninitialized)
+
+# Gives kernel files the instruction set that their name says, leaves out those of sets that are not built, and tells the
+# files that choose among sets which are.
+function(lappet_instruction_set_flags sources_variable)
+  set(sources ${${sources_variable}})
+  set(built ${lappet_sets})
+  list(TRANSFORM built TOUPPER)
+  list(TRANSFORM built PREPEND LAPPET_BUILT_)
+  foreach(set sse42 avx2 avx512 neon)
+    if(NOT set IN_LIST lappet_sets)
+      list(FILTER sources EXCLUDE REGEX "_${set}\\.cpp$")
+    endif()
+  endforeach()
+  foreach(source IN LISTS sources)
+    if(source MATCHES "_(avx2|avx512)\\.cpp$")
+      set_source_files_properties("${source}" PROPERTIES COMPILE_OPTIONS "${lappet_flags_of_${CMAKE_MATCH_1}}")
+    elseif(source MATCHES "/(instruction_set|elastic_kernels|coarse_product)\\.cpp$")
+      set_source_files_properties("${source}" PROPERTIES COMPILE_DEFINITIONS "${built}")
+    endif()
+  endforeach()
+  set(${sources_variable} ${sources} PARENT_SCOPE)
+endfunction()
