@@ -25,6 +25,7 @@ LAYERS = (
     "force/kernels",
     "force/elastic",
     "force/constraints",
+    "force/self_contact",
     "solve/system",
     "solve/subdomain",
     "solve/multigrid",

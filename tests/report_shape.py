@@ -25,6 +25,9 @@ FRAME: dict[str, Any] = {
     "energy_mn_mm": NUMBER,
     "largest_penetration_mm": NUMBER,
     "contacts": int,
+    "self_contacts": int,
+    "piercings": int,
+    "piercings_before": int,
     "stability": {
         "lowest_stiffness": (*NUMBER, type(None)),
         "softest_point": (list, type(None)),

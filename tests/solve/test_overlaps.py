@@ -53,6 +53,23 @@ def test_sides_of_a_slit_that_are_pushed_over_each_other_are_told_beyond_a_quart
         assert 0.0 <= z <= 2.0
 
 
+def test_frames_that_start_from_a_surface_that_passes_through_itself_are_told_with_the_first_of_them(
+    program: Program, frames: tuple[FrameResult, ...]
+) -> None:
+    def started(frame: FrameResult, places: int) -> FrameResult:
+        said = replace(frame.solved.diagnostics, piercings_before=places)
+        return replace(frame, solved=replace(frame.solved, diagnostics=said))
+
+    clear = [started(frame, 0) for frame in pushed_together(program, frames, 0.0)]
+    assert len(clear) > 2
+    (found,) = overlap_notes(program, [clear[0], *(started(frame, 3) for frame in clear[1:])])
+    assert found.code == ProblemCode.FRAMES_START_PIERCED
+    assert found.severity == "warning"
+    assert found.value == "3"
+    assert f"Frame {clear[1].constraints.time:g} " in found.message
+    assert f"in {len(clear) - 2} other" in found.message
+
+
 def test_only_the_last_frame_counts_and_no_frames_have_none(program: Program, frames: tuple[FrameResult, ...]) -> None:
     pushed = pushed_together(program, frames, 1.0)
     assert overlap_notes(program, [pushed[-1], pushed_together(program, frames, 0.0)[-1]]) == []

@@ -179,6 +179,7 @@ class ProblemCode(StrEnum):
     FRAMES_UNSTABLE = auto()
     FRAMES_ONE_OF_SEVERAL = auto()
     TISSUE_IN_TISSUE = auto()
+    FRAMES_START_PIERCED = auto()
 
     # texts/notes.toml
     STAGE_CONVERTED = auto()
@@ -388,6 +389,7 @@ class ProblemCode(StrEnum):
     FRAME_IN_BONE = auto()
     FRAME_GAP = auto()
     FRAME_UNREACHABLE = auto()
+    FRAME_BLOCKED = auto()
     SOLVE_STOPPED = auto()
     FOLLOWED_OTHER = auto()
     FOLLOWED_NONE = auto()

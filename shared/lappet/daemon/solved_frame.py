@@ -151,6 +151,12 @@ class Diagnostics:
         Largest depth of tissue in bone in mm.
     contacts
         Points of the surface that touch bone.
+    self_contacts
+        Pairs of the surface's parts that press on each other, with self-contact.
+    piercings
+        How often edges of the surface go through faces of it, with self-contact.
+    piercings_before
+        The same in the state that the frame was solved from; pairs at those places were left out.
     lowest_stiffness
         The share of its stiffness that compression leaves the softest displacement: 1 without compression, 0 where the
         equilibrium is neutral, negative where it is unstable; NaN where it was not looked for.
@@ -181,6 +187,9 @@ class Diagnostics:
     energy: float = 0.0
     largest_penetration: float = 0.0
     contacts: int = 0
+    self_contacts: int = 0
+    piercings: int = 0
+    piercings_before: int = 0
     lowest_stiffness: float = math.nan
     saddles_left: int = 0
     peak_bytes: float = 0.0

@@ -172,6 +172,9 @@ def _frame(
         "energy_mn_mm": said.energy,
         "largest_penetration_mm": said.largest_penetration,
         "contacts": said.contacts,
+        "self_contacts": said.self_contacts,
+        "piercings": said.piercings,
+        "piercings_before": said.piercings_before,
         "stability": {
             "lowest_stiffness": said.lowest_stiffness,
             "softest_point": solved.softest_point[0].tolist() if len(solved.softest_point) else None,

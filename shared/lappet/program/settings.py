@@ -149,6 +149,8 @@ class SolverSettings:
         Whether frames carry strain, stress and tension.
     stability
         Whether unstable equilibria are looked for and left.
+    self_contact
+        Whether the surface is kept from passing through itself.
     region
         Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
     origin
@@ -183,6 +185,7 @@ class SolverSettings:
     correction: bool = setting(False, in_key=False)
     strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
     stability: bool = setting(True, option=Option("Look for unstable equilibria, and leave them for stable ones."))
+    self_contact: bool = setting(False, option=Option("Keep tissue from passing through tissue."))
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(

@@ -1,4 +1,4 @@
-"""Tissue that a solve has carried into other tissue: nothing keeps them apart yet, so it is said."""
+"""Tissue that lies in other tissue: without self-contact nothing keeps it apart, and with it only what begins apart."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ The walls of any closed wound lie that deep in each other: the lattice holds the
 
 
 def overlap_notes(program: Program, frames: Sequence[FrameResult]) -> list[Problem]:
-    """Find tissue that lies in other tissue in the last frame.
+    """Find tissue that lies in other tissue in the last frame, or lay in it where frames began.
 
     Parameters
     ----------
@@ -33,12 +33,28 @@ def overlap_notes(program: Program, frames: Sequence[FrameResult]) -> list[Probl
     Returns
     -------
     list[Problem]
-        A warning that counts the vertices that lie deeper than `SHALLOW` in tissue, with the place of the deepest, at
-        rest and in the frame; none where there are none.
+        With self-contact a warning where frames started from a surface that passes through itself, with the first of
+        them and the number of places. A warning that counts the vertices that lie deeper than `SHALLOW` in tissue, with
+        the place of the deepest, at rest and in the frame. None where there are none.
     """
     if not frames:
         return []
-    last = frames[-1]
+    return _pierced(frames) + _deep(program, frames[-1])
+
+
+def _pierced(frames: Sequence[FrameResult]) -> list[Problem]:
+    found = [frame for frame in frames if frame.solved.diagnostics.piercings_before > 0]
+    if not found:
+        return []
+    first, more = found[0], len(found) - 1
+    count = first.solved.diagnostics.piercings_before
+    others = f", and likewise in {more} other frames" if more else ""
+    return [
+        problem(ProblemCode.FRAMES_START_PIERCED, "", count, time=first.constraints.time, count=count, others=others)
+    ]
+
+
+def _deep(program: Program, last: FrameResult) -> list[Problem]:
     epoch = next(each for each in program.epochs if each.index == last.constraints.epoch)
     found = self_overlap(last.solved.points, epoch.surface.triangles)
     deep = found.depth > SHALLOW * program.settings.spacing

@@ -26,6 +26,7 @@ FAILURE_CODES = {
     "in_bone": ProblemCode.FRAME_IN_BONE,
     "gap": ProblemCode.FRAME_GAP,
     "unreachable": ProblemCode.FRAME_UNREACHABLE,
+    "blocked": ProblemCode.FRAME_BLOCKED,
 }
 """What a `reason_code` of PROTOCOL.md is as a problem."""
 

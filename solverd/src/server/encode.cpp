@@ -62,6 +62,31 @@ void add_state(MessageWriter& writer, const SolverState& state) {
   if (!state.motion.empty()) add_rows(writer, "motion", state.motion, {3});
 }
 
+// What a frame says of the tissue.
+void add_fields(MessageWriter& writer, const FrameFields& frame) {
+  add_rows(writer, "points", frame.points, {3});
+  add_rows(writer, "strain", frame.strain, {});
+  add_rows(writer, "stress", frame.stress, {});
+  add_rows(writer, "tension", frame.tension, {});
+  add_rows(writer, "landmarks", frame.landmarks, {3});
+  add_rows(writer, "suture_index", frame.suture_indices, {});
+  add_rows(writer, "suture_gaps", frame.suture_gaps, {});
+  add_rows(writer, "suture_forces", frame.suture_forces, {});
+  add_rows(writer, "suture_force_vectors", frame.suture_force_vectors, {3});
+  add_rows(writer, "suture_points", frame.suture_points, {2, 3});
+  add_rows(writer, "suture_shared", frame.suture_shared, {});
+  if (!frame.inner_bite_points.empty()) add_rows(writer, "inner_bite_points", frame.inner_bite_points, {3});
+  add_rows(writer, "hook_index", frame.hook_indices, {});
+  add_rows(writer, "hook_forces", frame.hook_forces, {3});
+  add_rows(writer, "hook_points", frame.hook_points, {3});
+  add_rows(writer, "holders", frame.holders, {2});
+  add_rows(writer, "reactions", frame.reactions, {3});
+  if (!frame.section_forces.empty()) add_rows(writer, "section_forces", frame.section_forces, {3});
+  add_rows(writer, "correction", frame.correction, {3});
+  add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
+  add_rows(writer, "softest_point", frame.softest_point, {3});
+}
+
 }  // namespace
 
 std::vector<PartBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
@@ -125,6 +150,9 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("energy", frame.energy)
       .field("largest_penetration", frame.largest_penetration)
       .field("contacts", std::int64_t{frame.contacts})
+      .field("self_contacts", std::int64_t{frame.self_contacts})
+      .field("piercings", std::int64_t{frame.piercings})
+      .field("piercings_before", std::int64_t{frame.piercings_before})
       .field("lowest_stiffness", frame.lowest_stiffness)
       .field("saddles_left", std::int64_t{frame.saddles_left})
       .field("seconds", Fields{{"update", frame.seconds_update},
@@ -139,27 +167,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
                             {"product_seconds", frame.work.products.seconds}})
       .field("peak_bytes", frame.peak_bytes)
       .field("precision", std::string(frame.state.is_double ? "double" : "float"));
-  add_rows(writer, "points", frame.points, {3});
-  add_rows(writer, "strain", frame.strain, {});
-  add_rows(writer, "stress", frame.stress, {});
-  add_rows(writer, "tension", frame.tension, {});
-  add_rows(writer, "landmarks", frame.landmarks, {3});
-  add_rows(writer, "suture_index", frame.suture_indices, {});
-  add_rows(writer, "suture_gaps", frame.suture_gaps, {});
-  add_rows(writer, "suture_forces", frame.suture_forces, {});
-  add_rows(writer, "suture_force_vectors", frame.suture_force_vectors, {3});
-  add_rows(writer, "suture_points", frame.suture_points, {2, 3});
-  add_rows(writer, "suture_shared", frame.suture_shared, {});
-  if (!frame.inner_bite_points.empty()) add_rows(writer, "inner_bite_points", frame.inner_bite_points, {3});
-  add_rows(writer, "hook_index", frame.hook_indices, {});
-  add_rows(writer, "hook_forces", frame.hook_forces, {3});
-  add_rows(writer, "hook_points", frame.hook_points, {3});
-  add_rows(writer, "holders", frame.holders, {2});
-  add_rows(writer, "reactions", frame.reactions, {3});
-  if (!frame.section_forces.empty()) add_rows(writer, "section_forces", frame.section_forces, {3});
-  add_rows(writer, "correction", frame.correction, {3});
-  add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
-  add_rows(writer, "softest_point", frame.softest_point, {3});
+  add_fields(writer, frame);
   add_state(writer, frame.state);
   return writer.finish();
 }

@@ -71,6 +71,7 @@ class FrameSearch {
     } else {
       found_.state = before_;
       epoch_.constraints.apply(frame_, found_.state);
+      begin_self_contact(found_.state.u);
       found_.outcome.failure = {FailureCode::kUnreachable, unreachable};
     }
     if (found_.outcome.converged) note_motion();
@@ -125,6 +126,14 @@ class FrameSearch {
            outcome.residual <= kNearly * options_.tolerance && outcome.gap <= options_.gap_tolerance;
   }
 
+  // Where the surface goes through itself at the start of an attempt it cannot be kept apart.
+  void begin_self_contact(std::span<const Real> u) {
+    if (SelfContact* contact = epoch_.system.self_contact())
+      if ((found_.piercings_before = contact->begin<Real>(u)) > 0)
+        spdlog::info("frame {:g} starts with a surface that goes through itself {} times", frame_.time,
+                     found_.piercings_before);
+  }
+
   void set_aside() {
     Evaluation reused = std::move(found_.outcome.at);
     doubtful_.emplace(std::exchange(found_.outcome, {}), std::move(found_.state));
@@ -143,6 +152,7 @@ class FrameSearch {
       if (valid_) epoch_.constraints.place_sutures(frame_, found_.state);
       found_.state.return_to_rest();
     }
+    begin_self_contact(found_.state.u);
     epoch_.preconditioner.restart();
     found_.effort.load_steps = attempt.load_steps;
     options_.neighborhood_first =
@@ -206,6 +216,7 @@ class FrameSearch {
       found_.state = std::move(state);
       found_.effort.restart = Restart::kNone;
       epoch_.constraints.apply(frame_, found_.state);
+      begin_self_contact(before_.u);
       evaluate();
     }
   }

@@ -37,6 +37,7 @@ struct SessionSettings {
   bool correction = false;      // frames carry the displacement that is still to come
   bool strain = true;           // frames carry strain, stress and tension on the surface
   bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
+  bool self_contact = false;    // tissue does not pass through tissue (force/self_contact/self_contact.h)
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -69,6 +70,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit.optional("correction", settings.correction);
   visit.optional("strain", settings.strain);
   visit.optional("stability", settings.stability);
+  visit.optional("self_contact", settings.self_contact);
 }
 
 struct EpochInput {
@@ -236,6 +238,9 @@ struct FrameOutput : FrameFields, SolveEffort {
   double energy = 0.0;               // mN mm
   double largest_penetration = 0.0;  // of the tissue into bone, mm
   std::int32_t contacts = 0;         // points of its surface that touch bone
+  // With self-contact: pairs of vertices and faces, or of edges, that press on each other, and how often edges of the
+  // surface go through faces of it, where the frame ends and where it was solved from (such pairs do not press).
+  std::int32_t self_contacts = 0, piercings = 0, piercings_before = 0;
   double seconds_total = 0.0;
   Work work;
   double peak_bytes = 0.0;  // of the process

@@ -49,6 +49,7 @@ void write_outcome(const EquilibriumOutcome& outcome, FrameOutput& output) {
   output.energy = outcome.energy;
   output.largest_penetration = outcome.at.contact.largest_penetration;
   output.contacts = outcome.at.contact.count();
+  output.self_contacts = static_cast<std::int32_t>(outcome.at.self_contact.pairs.size());
 }
 
 template <class Real>
@@ -110,6 +111,9 @@ class TypedSession : public Session::Implementation {
     output.time = frame.time;
     static_cast<SolveEffort&>(output) = found.effort;
     write_outcome(found.outcome, output);
+    output.piercings_before = static_cast<std::int32_t>(found.piercings_before);
+    if (SelfContact* contact = epoch_->system.self_contact())
+      output.piercings = static_cast<std::int32_t>(contact->count_piercings<Real>(found.state.u));
     const FrameFields* same = converged && found.effort.newton_iterations == 0 ? last_frame_.of(frame) : nullptr;
     static_cast<FrameFields&>(output) = same ? *same : frame_fields(settings_, *epoch_, frame, found);
     if (!converged)

@@ -1,9 +1,13 @@
 #include "solve/multigrid/rigid_modes.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "force/kernels/projected_stiffness_kernel.h"
 #include "lattice/node_field.h"
+#include "solve/multigrid/contact_groups.h"
 
 namespace lappet {
 
@@ -199,7 +203,8 @@ void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<cons
 }
 
 template <class Real>
-void RigidModes<Real>::add_rows(Index node, double weight, ConstraintRows& rows) const {
+template <class Weight>
+void RigidModes<Real>::add_rows(Index node, const Weight& weight, ConstraintRows& rows) const {
   const std::size_t slot = coarse_.slot_of[node], cell = coarse_.owner(coarse_.slot_of[node]);
   const auto& shares = weights_[weight_of_[slot]];
   for (std::size_t k = 0; k < 8; ++k) {
@@ -237,6 +242,24 @@ void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
       for (auto& row : projected.rows) row = (root * row).eval();
     }
     if (point.slides()) constraints.push_back(of_thread.constraint(point.stiffness));
+  }
+  if (system.self_contact_rows().count() > 0) assemble_self_contact(system);
+}
+
+template <class Real>
+void RigidModes<Real>::assemble_self_contact(const System<Real>& system) {
+  std::vector<Index> coarse_of(coarse_.cells.items.size());
+  for (std::size_t c = 0; c < coarse_.cell_nodes.size(); ++c)
+    for (const Index cell : coarse_.cells[c]) coarse_of[cell] = to_index(c);
+  for (const ContactGroup& group :
+       group_contacts(system.self_contact_rows(), system.self_contact_places(), coarse_of)) {
+    double stiffness = 0.0;
+    for (const auto& [node, factors] : group) stiffness = std::max(stiffness, factors.squaredNorm());
+    if (!(stiffness > 0.0)) continue;
+    ConstraintRows rows;
+    for (const auto& [node, factors] : group) add_rows(node, Eigen::Matrix3d(factors / std::sqrt(stiffness)), rows);
+    CoarseConstraint projected = rows.constraint(stiffness);
+    if (!projected.nodes.empty()) level_.constraints().push_back(std::move(projected));
   }
 }
 

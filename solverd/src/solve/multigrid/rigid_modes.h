@@ -50,7 +50,10 @@ class RigidModes {
                        const ContactPenalty& penalty, Real* blocks) const;
   void shift_to_corners(std::size_t coarse, Real* blocks) const;
   void assemble_constraints(const System<Real>& system);
-  void add_rows(Index node, double weight, ConstraintRows& rows) const;
+  void assemble_self_contact(const System<Real>& system);
+  // weight: a number, or a matrix that takes the node's displacement to what is held.
+  template <class Weight>
+  void add_rows(Index node, const Weight& weight, ConstraintRows& rows) const;
 
   const Lattice& lattice_;
   CoarseLattice coarse_;

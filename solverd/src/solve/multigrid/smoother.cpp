@@ -1,10 +1,32 @@
 #include "solve/multigrid/smoother.h"
 
+#include <algorithm>
 #include <cmath>
 #include <list>
 #include <map>
 
 namespace lappet {
+
+// A row couples m nodes, more than the eight that Chebyshev's bound allows for (chebyshev.h): for any shares s_k of
+// one, (sum_k f_k . x_k)^2 <= sum_k (f_k . x_k)^2 / s_k. With shares in proportion to |f_k| the blocks f_k f_k^T / (8
+// s_k) keep the bound; where that is less than what the row has on its diagonal they take that.
+template <class Real>
+void Smoother<Real>::add_self_contact(std::span<Real> blocks) const {
+  const SparseRows& rows = system_.self_contact_rows();
+  for (std::size_t row = 0; row < rows.count(); ++row) {
+    double whole = 0.0;
+    for (std::uint32_t k = rows.start[row]; k < rows.start[row + 1]; ++k) whole += rows.factors[k].norm();
+    for (std::uint32_t k = rows.start[row]; k < rows.start[row + 1]; ++k) {
+      const Vec3& f = rows.factors[k];
+      const double length = f.norm();
+      if (!(length > 0.0)) continue;
+      const double weight = std::max(1.0, whole / (kMaxEigenvalue * length));
+      Real* block = &blocks[offset_of(6, rows.nodes[k])];
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) *block++ += Real(weight * f[i] * f[j]);
+    }
+  }
+}
 
 template <class Real>
 void Smoother<Real>::update() {
@@ -24,6 +46,7 @@ void Smoother<Real>::update() {
         for (int j = i; j < 3; ++j) *block++ += Real(weight * d[i] * d[j]);
     }
   }
+  add_self_contact(blocks);
   diagonal.set_from_storage([this](std::size_t n) { return system_.is_free(n); });
   struct Rows {
     std::span<const Index> nodes;

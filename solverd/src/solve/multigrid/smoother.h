@@ -28,6 +28,8 @@ class Smoother {
  private:
   static constexpr double kRange = 4.0;
 
+  void add_self_contact(std::span<Real> blocks) const;
+
   const System<Real>& system_;
   Chebyshev<Real, 3> chebyshev_;
   struct Product {

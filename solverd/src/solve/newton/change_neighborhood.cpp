@@ -117,7 +117,7 @@ template <class Real>
 NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
                                               Multipliers& multipliers, const Evaluation& now,
                                               const EquilibriumOptions& options, const SolveObserver& observer) {
-  if (system.contact()) return {};
+  if (system.contact() || now.self_contact.touches()) return {};
   auto moving = neighborhood<Real>(system, tiles, u, now);
   if (moving.empty()) return {};
   Subdomain<Real> subdomain = restrict_to<Real>(moving, system, u, multipliers);

@@ -28,7 +28,8 @@ struct NeighborhoodOutcome : EquilibriumOutcome {
 
 // u: 3 per node, moved in place with the multipliers where the outcome is converged, and must be evaluated anew then;
 // now: the evaluation at u. tiles: the lattice coarsened; the neighborhood is made of them. Does
-// nothing where the neighborhood is a large part of the tissue, without an attached bed, and with bones.
+// nothing where the neighborhood is a large part of the tissue, without an attached bed, with bones, and where tissue
+// touches tissue; it knows nothing of tissue that would come to touch on the way, which is for the caller to see.
 template <class Real>
 NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
                                               Multipliers& multipliers, const Evaluation& now,

@@ -55,6 +55,9 @@ constexpr int kStraightPause = 2;  // such steps that stay straight after one th
 constexpr int kManyUpdates = 10;   // of the multipliers: a gap that they can close is closed after a few
 // The neighborhood of a change ends at a stricter tolerance; of the limit of the whole it has this share left at most.
 constexpr double kShareOfNeighborhood = 0.5;
+// Share of the retractors' way; so many steps in a row that something keeps shorter end a search.
+constexpr double kBlockedStep = 0.01;
+constexpr int kMaxBlocked = 8;
 constexpr double kNoForce = 1e-20;  // residual over force scale that cannot be told from none
 constexpr double kClose = 10.0;     // tolerances of the residual from which a Newton step tells of the next one
 
@@ -161,8 +164,9 @@ class EquilibriumSearch {
     fail(
         FailureCode::kGap,
         fmt::format("a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                    "contradict others or need more force than the tissue bears",
-                    outcome_.gap, options_.gap_tolerance));
+                    "contradict others or need more force than the tissue bears{}",
+                    outcome_.gap, options_.gap_tolerance,
+                    now_.self_contact.touches() ? ", or tissue that presses on tissue is in the way" : ""));
   }
   // A gap that many multipliers have not closed is why there is no equilibrium, also where each of them takes so many
   // iterations that these run out first.
@@ -353,6 +357,12 @@ class EquilibriumSearch {
              "the retractors' motion turns cells inside out however small the step; move them less between frames");
         return false;
       }
+      blocked_ = taken.hindered && taken.alpha < kBlockedStep ? blocked_ + 1 : 0;
+      if (blocked_ > kMaxBlocked) {
+        fail(FailureCode::kBlocked,
+             "tissue is in the way of what the retractors carry; lead them around it, or move it away first");
+        return false;
+      }
       if (jump > kJump * system_.lattice().settings.spacing) {
         tangent_.jumped();
         jumped_ = true;
@@ -379,7 +389,7 @@ class EquilibriumSearch {
         return false;
       }
       tangent_.agreed(taken.alpha, taken.ratio, used_);
-      if (taken.alpha < kCutShort && used_ == PsdProjection::kExact) bend_step(taken.alpha, slope);
+      if (taken.alpha < kCutShort && used_ == PsdProjection::kExact && !taken.hindered) bend_step(taken.alpha, slope);
     }
     whole_ = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
     last_step_ = whole_ ? to_come_ : std::numeric_limits<double>::infinity();
@@ -403,9 +413,34 @@ class EquilibriumSearch {
     if (!curved.taken) straight_ = kStraightPause;
   }
 
+  // The state before a part of the tissue went to its own equilibrium, unaware of tissue that it may meet.
+  class BeforeShortcut {
+   public:
+    explicit BeforeShortcut(EquilibriumSearch& search) : search_(search) {
+      if (!search.system_.self_contact()) return;
+      u_.assign(search.u_.begin(), search.u_.end());
+      multipliers_ = search.multipliers_;
+    }
+    // Goes back to it where tissue met tissue on the way, or touches now.
+    bool is_undone() const {
+      if (u_.empty() || (!search_.now_.self_contact.touches() && search_.system_.is_clear_way(u_, search_.u_)))
+        return false;
+      copy<Real>(u_, search_.u_);
+      search_.multipliers_ = multipliers_;
+      search_.evaluate();
+      return true;
+    }
+
+   private:
+    EquilibriumSearch& search_;
+    std::vector<Real> u_;
+    Multipliers multipliers_;
+  };
+
   // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
   bool neighborhood_goes_ahead() {
     neighborhood_tried_ = true;
+    const BeforeShortcut before(*this);
     const NeighborhoodOutcome neighborhood = solve_change_neighborhood<Real>(
         system_, preconditioner_.modes().coarse_lattice(), u_, multipliers_, now_, options_, observer_);
     outcome_.newton_iterations += newton_in_neighborhood_ = neighborhood.newton_iterations;
@@ -415,8 +450,9 @@ class EquilibriumSearch {
     outcome_.seconds_setup += neighborhood.seconds_setup;
     watch_.lap();
     if (!neighborhood.converged) return false;
-    outcome_.active_cells = neighborhood.active_cells;
     evaluate();
+    if (before.is_undone()) return false;
+    outcome_.active_cells = neighborhood.active_cells;
     last_step_ = with_rim(neighborhood);
     good_ = true;
     spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
@@ -439,12 +475,14 @@ class EquilibriumSearch {
   // What a definite tangent is too stiff for, or what bends too much for a whole step, is often a matter of a few
   // nodes: they go ahead.
   void relax() {
-    if (now_.relative_residual <= options_.tolerance) return;
+    if (now_.relative_residual <= options_.tolerance || now_.self_contact.touches()) return;
+    const BeforeShortcut state(*this);
     const LocalRelaxation relaxed =
         relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);
     if (relaxed.nodes == 0) return;
     const double before = now_.relative_residual;
     evaluate();
+    if (state.is_undone()) return;
     spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
                   relaxed.clusters, relaxed.newton_iterations, before, now_.relative_residual);
   }
@@ -477,6 +515,7 @@ class EquilibriumSearch {
   bool cut_ = false;                // the line search made the last step shorter
   bool exact_failed_ = false;       // no step along its direction lowered the energy
   int straight_ = 0;                // steps that were cut and stay straight
+  int blocked_ = 0;                 // steps in a row in which hardly anything was carried
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;

@@ -18,11 +18,13 @@ enum class FailureCode : std::uint8_t {
   kInBone,       // tissue is pressed into bone
   kGap,          // what must hold exactly keeps a gap
   kUnreachable,  // a target is too far away
+  kBlocked,      // tissue is in the way of what retractors carry
 };
 
 // On the wire, in the order of the codes.
-inline constexpr std::array<std::string_view, 10> kFailureNames = {
-    "", "stopped", "not_finite", "iterations", "no_descent", "too_stiff", "inverted", "in_bone", "gap", "unreachable"};
+inline constexpr std::array<std::string_view, 11> kFailureNames = {
+    "",         "stopped", "not_finite", "iterations",  "no_descent", "too_stiff",
+    "inverted", "in_bone", "gap",        "unreachable", "blocked"};
 
 struct Failure {
   FailureCode code = FailureCode::kNone;

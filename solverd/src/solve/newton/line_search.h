@@ -17,6 +17,7 @@ struct StepTaken {
   double alpha = 0.0;  // 0: no step lowers the energy
   double ratio = 1.0;  // actual to predicted decrease
   Evaluation reached;
+  bool hindered = false;  // something was in the way of a longer step
 };
 
 template <class Real>
@@ -39,7 +40,9 @@ class LineSearch {
     StepTaken taken{.alpha = 0.0, .ratio = 1.0, .reached = std::move(start)};
     Evaluation& now = taken.reached;
     double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest<Real>(step), 1e-300));
-    alpha = system_.largest_step(u, step, alpha);
+    const double free_way = system_.largest_step(u, step, alpha);
+    taken.hindered = free_way < alpha;
+    alpha = free_way;
     const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
     while (true) {
       evaluate_at(u, step, alpha, now);
@@ -56,8 +59,9 @@ class LineSearch {
       }
       double shrink = 0.5;
       const double bend = now.energy - before.energy - alpha * slope;
-      // What meets bone along the way bends the energy late: a parabola from the start would make the step too short.
-      if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact())
+      // What meets bone or tissue along the way bends the energy late: a parabola from the start would make the step
+      // too short.
+      if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact() && !now.self_contact.touches())
         shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
       alpha *= shrink;
     }
@@ -103,6 +107,7 @@ class LineSearch {
   StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment, Evaluation start) {
     const EvaluationSummary before = start;
     StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = std::move(start)};
+    taken.hindered = taken.alpha < 1.0;
     while (true) {
       for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i]; });
       if (taken.alpha == 1.0)  // land exactly

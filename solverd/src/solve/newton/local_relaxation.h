@@ -4,7 +4,9 @@
 // around them, go to their own equilibrium while the rest stays still, and then the whole takes its next step.
 //
 // What moves falls into clusters that no cell and no point constraint joins; each is a subdomain, a system of its own.
-// The energy of the whole falls by what theirs fall: this is a descent like any other step. Multipliers stay.
+// The energy of the whole falls by what theirs fall: this is a descent like any other step. Multipliers stay. They know
+// nothing of tissue that touches tissue, so nothing may touch before, and whether the way there is clear is for the
+// caller to see.
 #pragma once
 #include <functional>
 #include <span>

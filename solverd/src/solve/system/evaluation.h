@@ -7,6 +7,7 @@
 #include "force/constraints/contact_penalty.h"
 #include "force/constraints/loaded_faces.h"
 #include "force/constraints/point_constraint.h"
+#include "force/self_contact/self_contact.h"
 
 namespace lappet {
 
@@ -27,6 +28,7 @@ struct Evaluation : EvaluationSummary {
   std::vector<FaceMotion> pressed;                // of the samples of faces under pressure
   double pressure_energy = 0.0;                   // theirs, part of `energy` (solve/system/loads.cpp)
   ContactState contact;                           // what the bones do
+  SelfContactState self_contact;                  // what the surface does to itself
   std::uint64_t number = 0;                       // of the system's evaluations: see System::linearize
 };
 

@@ -13,7 +13,7 @@ constexpr std::size_t kRows = 512;  // at a time
 }  // namespace
 
 template <class Real>
-void PenaltyRows<Real>::set(std::span<const ContactPenalty> penalties, const Lattice& lattice) {
+void PenaltyRows<Real>::set(std::span<const ContactPenalty> penalties, const SparseRows& rows, const Lattice& lattice) {
   row_start_.assign(1, 0);
   of_row_.clear();
   std::vector<std::uint32_t> count(lattice.node_rest.size() + 1, 0);
@@ -30,7 +30,17 @@ void PenaltyRows<Real>::set(std::span<const ContactPenalty> penalties, const Lat
     }
     row_start_.push_back(static_cast<std::uint32_t>(of_row_.size()));
   }
-  along_.resize(penalties.size());
+  for (std::size_t row = 0; row < rows.count(); ++row) {
+    for (std::uint32_t k = rows.start[row]; k < rows.start[row + 1]; ++k) {
+      const Vec3& factor = rows.factors[k];
+      const auto node = static_cast<std::uint32_t>(rows.nodes[k]);
+      of_row_.push_back(
+          {node, {static_cast<Real>(factor[0]), static_cast<Real>(factor[1]), static_cast<Real>(factor[2])}});
+      ++count[node];
+    }
+    row_start_.push_back(static_cast<std::uint32_t>(of_row_.size()));
+  }
+  along_.resize(row_start_.size() - 1);
   nodes_.clear();
   node_start_.assign(1, 0);
   for (std::uint32_t node = 0; node + 1 < count.size(); ++node) {

@@ -1,5 +1,5 @@
 // The contact penalties of a tangent, sum_p (c_p . du)^2 / 2, as sparse rows c_p over the nodes: every cell that lies
-// on the bed has one, and every product of the tangent takes them all.
+// on the bed has one, every pair of the surface that touches itself, and every product of the tangent takes them all.
 //
 // A product goes over the rows, each its own number c_p . x, and then over the nodes that they touch, each its own sum:
 // both in parallel, the same for any number of threads.
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "force/constraints/contact_penalty.h"
+#include "force/constraints/sparse_rows.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -17,8 +18,8 @@ namespace lappet {
 template <class Real>
 class PenaltyRows {
  public:
-  // Penalties on cells of the lattice.
-  void set(std::span<const ContactPenalty> penalties, const Lattice& lattice);
+  // Penalties on cells of the lattice, and rows that are ready.
+  void set(std::span<const ContactPenalty> penalties, const SparseRows& rows, const Lattice& lattice);
   // y += sum_p c_p (c_p . x)
   void add_product(std::span<const Real> x, std::span<Real> y) const;
   std::size_t bytes() const;

@@ -207,7 +207,11 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
-  penalty_rows_.set(contact_penalties_, lattice());
+  if (self_contact_) {
+    self_contact_rows_ = self_contact_->rows(at.self_contact.pairs);
+    self_contact_places_ = self_contact_->places(at.self_contact.pairs);
+  }
+  penalty_rows_.set(contact_penalties_, self_contact_rows_, lattice());
   point_tangent_ = at.point_tangent;
   pressed_from_ = at.pressed;
   pressure_energy_from_ = at.pressure_energy;
@@ -377,10 +381,19 @@ void System<Real>::fit(Multipliers& multipliers) const {
 }
 
 template <class Real>
+bool System<Real>::is_clear_way(std::span<const Real> from, std::span<const Real> to) const {
+  if (!self_contact_) return true;
+  std::vector<Real> step(from.size());
+  for_each_index(step.size(), [&](std::size_t i) { step[i] = to[i] - from[i]; });
+  return self_contact_->template largest_step<Real>(from, step, 1.0) == 1.0;
+}
+
+template <class Real>
 std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
          free_.size() + clusters_.bytes() + penalty_rows_.bytes() + (contact_ ? contact_->bytes() : 0) +
+         (self_contact_ ? self_contact_->bytes() + self_contact_rows_.bytes() : 0) +
          attachments_.rollers.size() * (sizeof(RollerRow) + 8) + traction_force_.size() * 8 +
          pressed_from_.size() * 2 * sizeof(FaceMotion) + pressure_tangent_.size() * sizeof(NodePairs) +
          (attachments_.ground ? attachments_.ground->bytes() : 0);

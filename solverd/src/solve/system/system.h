@@ -69,6 +69,9 @@ class System {
   // Where there are bones; null: none.
   void set_contact(std::unique_ptr<Contact> contact) { contact_ = std::move(contact); }
   const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
+  // What the surface does to itself; null: it passes through itself. A restricted system has none.
+  void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
+  SelfContact* self_contact() const { return self_contact_.get(); }
   const std::vector<PointConstraint>& point_constraints() const { return point_constraints_; }
   const PointConstraint& point_constraint(const ConstraintId& id) const;
 
@@ -97,6 +100,9 @@ class System {
   // The fraction of a step, `most` at most, that takes no tissue through a bone or the ground.
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const;
 
+  // Whether the surface does not meet itself on the straight way between two states.
+  bool is_clear_way(std::span<const Real> from, std::span<const Real> to) const;
+
   // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
   // over the face in a cell), and what is deeper in bone than a penalty may leave. at: the evaluation at u.
   double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
@@ -119,6 +125,9 @@ class System {
 
   // Of the tangent: what the bed and the bones push with.
   std::span<const ContactPenalty> contact_penalties() const { return contact_penalties_; }
+  // Likewise: what the surface pushes itself with, and where.
+  const SparseRows& self_contact_rows() const { return self_contact_rows_; }
+  std::span<const SelfContact::Place> self_contact_places() const { return self_contact_places_; }
   // Of the tangent: what the point constraints add.
   const PointTangent& point_tangent() const { return point_tangent_; }
   const Elastic<Real>& elastic() const { return elastic_; }
@@ -190,9 +199,12 @@ class System {
   std::vector<PointConstraint> point_constraints_;
   std::unique_ptr<Contact> contact_;
   std::vector<ContactPenalty> contact_penalties_;  // of the tangent
-  PenaltyRows<Real> penalty_rows_;                 // the same
-  PointTangent point_tangent_;                     // likewise
-  std::vector<std::int32_t> fragment_of_node_;     // its lowest node; empty: all hang together
+  std::unique_ptr<SelfContact> self_contact_;
+  SparseRows self_contact_rows_;  // of the tangent
+  std::vector<SelfContact::Place> self_contact_places_;
+  PenaltyRows<Real> penalty_rows_;              // all of these
+  PointTangent point_tangent_;                  // likewise
+  std::vector<std::int32_t> fragment_of_node_;  // its lowest node; empty: all hang together
   std::vector<std::int32_t> floating_cells_;
   double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell
   std::vector<std::uint8_t> free_;

@@ -1,0 +1,114 @@
+// A hierarchy of boxes around triangles: built once by their places at rest, refitted to wherever they are. It finds
+// the pairs of triangles that come near each other on straight ways, at the same time: a pair is passed over where the
+// boxes are farther apart than the difference of their ways, so tissue that is carried as a whole costs nothing.
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "lattice/surface.h"
+#include "math/parallel.h"
+
+namespace lappet {
+
+// Where triangles are, and the ways that they go.
+struct MovingBox {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();            // of the places
+  Vec3 least_way = Vec3::Zero(), most_way = Vec3::Zero();  // of the ways
+
+  void grow(const MovingBox& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+    least_way = least_way.cwiseMin(other.least_way);
+    most_way = most_way.cwiseMax(other.most_way);
+  }
+  // Whether something in the one may come nearer than `distance` to something in the other.
+  bool may_meet(const MovingBox& other, double distance) const {
+    const Vec3 apart = (low - other.high).cwiseMax(other.low - high).cwiseMax(0.0);
+    const Vec3 drift = (most_way - other.least_way).cwiseMax(other.most_way - least_way);
+    const double within = distance + drift.norm();
+    return apart.squaredNorm() <= within * within;
+  }
+};
+
+class BoxTree {
+ public:
+  BoxTree() = default;
+  // places: of the vertices.
+  BoxTree(std::span<const Vec3> places, std::vector<std::array<Index, 3>> triangles);
+
+  // ways: of the vertices; empty: they stay.
+  void refit(std::span<const Vec3> places, std::span<const Vec3> ways);
+
+  // Calls body(chunk, triangle, other) for every pair of different triangles that may come nearer than `distance`, each
+  // once; chunks run at the same time. What belongs to a chunk, and its order, is always the same.
+  template <class Body>
+  void for_each_pair(double distance, const Body& body) const {
+    for_each_chunk(
+        leaves_.size(),
+        [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+          for (std::size_t leaf = begin; leaf < end; ++leaf)
+            visit_pairs(to_index(leaf), distance, [&](Index triangle, Index other) { body(chunk, triangle, other); });
+        },
+        kLeavesPerChunk);
+  }
+  std::size_t chunks() const { return (leaves_.size() + kLeavesPerChunk - 1) / kLeavesPerChunk; }
+  // Calls body(triangle) for those that may come nearer than `distance` to a box.
+  template <class Body>
+  void for_each_near(const MovingBox& box, double distance, const Body& body) const {
+    visit(box, distance, 0, [&](const Node& leaf) {
+      for (Index k = leaf.first; k < leaf.last; ++k)
+        if (boxes_[k].may_meet(box, distance)) body(order_[k]);
+    });
+  }
+  std::size_t bytes() const;
+
+ private:
+  static constexpr Index kLeafSize = 4;
+  static constexpr std::size_t kLeavesPerChunk = 64;
+
+  // The triangles order_[first] to order_[last - 1]. A node is followed by the half that comes first; `next` is the
+  // other one, -1 in a leaf.
+  struct Node {
+    MovingBox box;
+    Index first = 0, last = 0, next = -1;
+  };
+
+  Index build(Index first, Index last, std::span<const Vec3> centers);
+  // Calls body(leaf) for the leaves that may come near a box and whose triangles come at `from` or later.
+  template <class Body>
+  void visit(const MovingBox& box, double distance, Index from, const Body& body) const {
+    if (nodes_.empty()) return;
+    std::array<Index, 64> stack;
+    std::size_t height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+      const Index at = stack[--height];
+      const Node& node = nodes_[at];
+      if (node.last <= from || !node.box.may_meet(box, distance)) continue;
+      if (node.next < 0) {
+        body(node);
+      } else {
+        stack[height++] = node.next;
+        stack[height++] = at + 1;
+      }
+    }
+  }
+  template <class Body>
+  void visit_pairs(Index leaf, double distance, const Body& body) const {
+    const Node& own = nodes_[leaves_[leaf]];
+    visit(own.box, distance, own.first, [&](const Node& other) {
+      for (Index i = own.first; i < own.last; ++i)
+        for (Index k = std::max(other.first, i + 1); k < other.last; ++k)
+          if (boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
+    });
+  }
+
+  std::vector<std::array<Index, 3>> triangles_;
+  std::vector<Index> order_;      // the triangles, neighbors near each other
+  std::vector<MovingBox> boxes_;  // of each, in that order
+  std::vector<Node> nodes_;
+  std::vector<Index> leaves_;  // their nodes
+};
+
+}  // namespace lappet

@@ -1,0 +1,165 @@
+#include "force/self_contact/contact_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "force/self_contact/distances.h"
+
+namespace lappet {
+
+namespace {
+
+constexpr double kLiesOn = 1e-6;  // mm: nearer, the barrier is beyond what positions in single precision can balance
+
+// The largest difference between one of the first `count` ways and one of the others.
+double drift(const std::array<Vec3, 4>& ways, int count) {
+  double most = 0.0;
+  for (int i = 0; i < count; ++i)
+    for (int k = count; k < 4; ++k) most = std::max(most, (ways[i] - ways[k]).squaredNorm());
+  return std::sqrt(most);
+}
+
+}  // namespace
+
+std::vector<Piercing> ContactCandidates::piercings(std::span<const Vec3> places) {
+  surface_.refit(places, {});
+  from_.clear();
+  const BoxTree& tree = surface_.tree();
+  std::vector<std::vector<Piercing>> found(tree.chunks());
+  const auto look = [&](Index edge, Index face, std::vector<Piercing>& to) {
+    const auto& [a, b] = surface_.edges()[edge];
+    const auto& [p, q, r] = surface_.triangles()[face];
+    if (a == p || a == q || a == r || b == p || b == q || b == r) return;
+    if (segment_meets_triangle(places[a], places[b], {places[p], places[q], places[r]})) to.push_back({edge, face});
+  };
+  tree.for_each_pair(0.0, [&](std::size_t chunk, Index t, Index other) {
+    for (int k = 0; k < 3; ++k) {
+      if (surface_.owns_edge(t, k)) look(surface_.edges_of(t)[k], other, found[chunk]);
+      if (surface_.owns_edge(other, k)) look(surface_.edges_of(other)[k], t, found[chunk]);
+    }
+  });
+  std::vector<Piercing> result;
+  for (const auto& of_chunk : found) result.insert(result.end(), of_chunk.begin(), of_chunk.end());
+  std::ranges::sort(result);
+  return result;
+}
+
+std::size_t ContactCandidates::leave_out(std::span<const Piercing> piercings, const std::vector<Vec3>& places) {
+  faces_left_out_.clear();
+  edges_left_out_.clear();
+  from_.clear();
+  for (const Piercing& piercing : piercings)
+    for (const Index t : surface_.triangles_at(piercing.edge)) {
+      if (t < 0) continue;
+      for (const Index v : surface_.triangles()[t]) faces_left_out_.insert(key(v, piercing.face));
+      for (const Index v : surface_.triangles()[piercing.face]) faces_left_out_.insert(key(v, t));
+      for (const Index e : surface_.edges_of(t))
+        for (const Index f : surface_.edges_of(piercing.face))
+          edges_left_out_.insert(key(std::min(e, f), std::max(e, f)));
+    }
+  cover(places);
+  std::size_t found = 0;
+  for (const auto& [vertex, face] : vertex_faces_) {
+    const auto [p, a, b, c] = at(places, surface_.corners_of(vertex, face));
+    if (closest_on_triangle(p, a, b, c).squared_distance > kLiesOn * kLiesOn) continue;
+    faces_left_out_.insert(key(vertex, face));
+    ++found;
+  }
+  for (const EdgePair& pair : edges_) {
+    const auto [a, b, c, d] = at(places, surface_.ends_of(pair.first, pair.second));
+    if (closest_on_segments(a, b, c, d).squared_distance > kLiesOn * kLiesOn) continue;
+    edges_left_out_.insert(key(pair.first, pair.second));
+    ++found;
+  }
+  if (found > 0) from_.clear();
+  return found;
+}
+
+void ContactCandidates::cover(const std::vector<Vec3>& places) { cover(places, {}); }
+
+void ContactCandidates::cover(const std::vector<Vec3>& places, const std::vector<Vec3>& ways) {
+  if (holds_at(places, {}) && (ways.empty() || holds_at(places, ways))) return;
+  from_ = places;
+  ways_ = ways;
+  if (ways_.empty()) ways_.assign(places.size(), Vec3::Zero());
+  search();
+}
+
+// At the end of the ways, if any. The way from a place where they hold to another one is covered as well: the share of
+// the way and what is off it are linear along it.
+bool ContactCandidates::holds_at(std::span<const Vec3> places, std::span<const Vec3> ways) const {
+  if (from_.empty()) return false;
+  const auto off = [&](std::size_t v) {
+    Vec3 result = places[v] - from_[v];
+    if (!ways.empty()) result += ways[v];
+    return result;
+  };
+  double along = 0.0, length2 = 0.0;
+  for (std::size_t v = 0; v < from_.size(); ++v) {
+    along += off(v).dot(ways_[v]);
+    length2 += ways_[v].squaredNorm();
+  }
+  const double share = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
+  for (std::size_t v = 0; v < from_.size(); ++v)
+    if (!((off(v) - share * ways_[v]).squaredNorm() <= slack_ * slack_)) return false;
+  return true;
+}
+
+void ContactCandidates::search() {
+  ++searches_;
+  surface_.refit(from_, ways_);
+  const BoxTree& tree = surface_.tree();
+  std::vector<Found> found(tree.chunks());
+  tree.for_each_pair(surface_.reach() + 2.0 * slack_, [&](std::size_t chunk, Index t, Index other) {
+    add_vertices(t, other, found[chunk]);
+    add_vertices(other, t, found[chunk]);
+    add_edges(t, other, found[chunk]);
+  });
+  vertex_faces_.clear();
+  edges_.clear();
+  for (const Found& of_chunk : found) {
+    vertex_faces_.insert(vertex_faces_.end(), of_chunk.vertex_faces.begin(), of_chunk.vertex_faces.end());
+    edges_.insert(edges_.end(), of_chunk.edges.begin(), of_chunk.edges.end());
+  }
+  std::ranges::sort(vertex_faces_);
+  std::ranges::sort(edges_, {}, [](const EdgePair& pair) { return std::pair(pair.first, pair.second); });
+}
+
+// The vertices that a triangle owns, with a face.
+void ContactCandidates::add_vertices(Index of, Index face, Found& to) const {
+  for (int k = 0; k < 3; ++k) {
+    if (!surface_.owns_vertex(of, k)) continue;
+    const Index v = surface_.triangles()[of][k];
+    const auto corners = surface_.corners_of(v, face);
+    const double within = surface_.reach_of(v) + 2.0 * slack_ + drift(at(ways_, corners), 1);
+    const auto [p, a, b, c] = at(from_, corners);
+    if (closest_on_triangle(p, a, b, c).squared_distance > within * within) continue;
+    if (surface_.counts(v, face) && (faces_left_out_.empty() || !faces_left_out_.contains(key(v, face))))
+      to.vertex_faces.push_back({v, face});
+  }
+}
+
+// The edges that two triangles own.
+void ContactCandidates::add_edges(Index triangle, Index other, Found& to) const {
+  for (int i = 0; i < 3; ++i) {
+    if (!surface_.owns_edge(triangle, i)) continue;
+    for (int k = 0; k < 3; ++k) {
+      if (!surface_.owns_edge(other, k)) continue;
+      const Index e = surface_.edges_of(triangle)[i], f = surface_.edges_of(other)[k];
+      const auto ends = surface_.ends_of(e, f);
+      const double within = kEdgeShare * surface_.reach() + 2.0 * slack_ + drift(at(ways_, ends), 2);
+      const auto [a, b, c, d] = at(from_, ends);
+      if (closest_on_segments(a, b, c, d).squared_distance > within * within) continue;
+      const double reach = surface_.reach_of(e, f);
+      if (reach > 0.0 && (edges_left_out_.empty() || !edges_left_out_.contains(key(std::min(e, f), std::max(e, f)))))
+        to.edges.push_back({std::min(e, f), std::max(e, f), reach});
+    }
+  }
+}
+
+std::size_t ContactCandidates::bytes() const {
+  return (from_.size() + ways_.size()) * sizeof(Vec3) + vertex_faces_.size() * sizeof(VertexFacePair) +
+         edges_.size() * sizeof(EdgePair);
+}
+
+}  // namespace lappet

@@ -1,0 +1,74 @@
+// The pairs of primitives that may come near each other, for a state and a straight way on from it. They are kept, with
+// a slack, and found anew only where a state lies farther than that off the way that they were found for.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <unordered_set>
+#include <vector>
+
+#include "force/self_contact/contact_surface.h"
+
+namespace lappet {
+
+struct VertexFacePair {
+  Index vertex, face;
+  auto operator<=>(const VertexFacePair&) const = default;
+};
+struct EdgePair {
+  Index first, second;  // first < second
+  double reach;         // mm
+};
+
+// An edge of the surface that goes through a face of it.
+struct Piercing {
+  Index edge, face;
+  auto operator<=>(const Piercing&) const = default;
+};
+
+class ContactCandidates {
+ public:
+  // slack: mm. Keeps a reference to the surface.
+  ContactCandidates(ContactSurface& surface, double slack) : surface_(surface), slack_(slack) {}
+
+  // Where edges go through faces in a state, places of the vertices, in order. Refits the tree.
+  std::vector<Piercing> piercings(std::span<const Vec3> places);
+  // From now on leaves out the pairs of the faces at these edges with those that they go through, those that lie on
+  // each other in a state, and no others. Returns the number of the latter.
+  std::size_t leave_out(std::span<const Piercing> piercings, const std::vector<Vec3>& places);
+  std::size_t left_out() const { return faces_left_out_.size() + edges_left_out_.size(); }
+
+  // Finds them anew, unless those that are known hold all the way.
+  void cover(const std::vector<Vec3>& places, const std::vector<Vec3>& ways);
+  // The same for a state alone.
+  void cover(const std::vector<Vec3>& places);
+
+  // Those that may come within their reach; sorted by vertex, and by the first edge.
+  const std::vector<VertexFacePair>& vertex_faces() const { return vertex_faces_; }
+  const std::vector<EdgePair>& edges() const { return edges_; }
+  std::int64_t searches() const { return searches_; }
+  std::size_t bytes() const;
+
+ private:
+  // What is found in a chunk of the tree.
+  struct Found {
+    std::vector<VertexFacePair> vertex_faces;
+    std::vector<EdgePair> edges;
+  };
+  static std::uint64_t key(Index a, Index b) { return std::uint64_t(std::uint32_t(a)) << 32 | std::uint32_t(b); }
+
+  // Whether a state lies within the slack of the way that the candidates hold for.
+  bool holds_at(std::span<const Vec3> places, std::span<const Vec3> ways) const;
+  void search();
+  void add_vertices(Index of, Index face, Found& to) const;
+  void add_edges(Index triangle, Index other, Found& to) const;
+
+  ContactSurface& surface_;
+  double slack_;
+  std::unordered_set<std::uint64_t> faces_left_out_, edges_left_out_;
+  std::vector<Vec3> from_, ways_;  // the way that they hold for; empty: for none
+  std::vector<VertexFacePair> vertex_faces_;
+  std::vector<EdgePair> edges_;
+  std::int64_t searches_ = 0;
+};
+
+}  // namespace lappet

@@ -1,0 +1,200 @@
+#include "force/self_contact/contact_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "force/self_contact/barrier.h"
+#include "force/self_contact/distances.h"
+
+namespace lappet {
+
+namespace {
+
+using Kind = TriangleFeature::Kind;
+
+constexpr std::size_t kPairsPerChunk = 256;
+
+// A barrier of weight `area`, of the vector between the closest points.
+void press(TouchingPair& pair, const Vec3& between, double area, const BarrierValue& value) {
+  pair.distance = between.norm();
+  pair.normal = between / pair.distance;
+  pair.energy = area * value.energy;
+  pair.slope = area * value.slope;
+  pair.stiffness = std::max(area, 0.0) * value.curvature;
+}
+
+// The part of the surface near a vertex: the faces that count and are within its reach.
+class NearVertex {
+ public:
+  NearVertex(const ContactSurface& surface, std::span<const Vec3> places, double stiffness)
+      : surface_(surface), places_(places), stiffness_(stiffness) {}
+
+  void add(std::span<const VertexFacePair> faces, std::vector<TouchingPair>& to) {
+    features_.clear();
+    vertex_ = faces.front().vertex;
+    reach_ = surface_.reach_of(vertex_);
+    near_.clear();
+    for (const VertexFacePair& pair : faces) {
+      const auto& [p, q, r] = surface_.triangles()[pair.face];
+      const ClosestOnTriangle closest = closest_on_triangle(places_[vertex_], places_[p], places_[q], places_[r]);
+      if (!(closest.squared_distance < reach_ * reach_)) continue;
+      near_.push_back(pair.face);
+      count(pair.face, closest);
+    }
+    if (near_.empty()) return;
+    for (const Index face : near_) take_off_edges(face);
+    for (const Index face : near_) add_corners(face);
+    for (const Feature& feature : features_)
+      if (feature.times != 0) press_on(feature, to);
+  }
+
+ private:
+  // Vertices of the feature that is closest, -1: none; how often it counts.
+  struct Feature {
+    std::array<Index, 3> vertices;
+    std::array<double, 3> weights;
+    int times;
+  };
+
+  bool is_near(Index face) const { return std::ranges::find(near_, face) != near_.end(); }
+
+  // The closest point of a face, by the corners that it lies between.
+  void count(Index face, const ClosestOnTriangle& closest) {
+    const auto& corners = surface_.triangles()[face];
+    const int k = closest.feature.which;
+    switch (closest.feature.kind) {
+      case Kind::kFace:
+        features_.push_back({corners, closest.weights, 1});
+        break;
+      case Kind::kEdge:
+        count_edge(corners[k], corners[(k + 1) % 3], closest.weights[(k + 1) % 3], 1);
+        break;
+      case Kind::kCorner:
+        count({corners[k], -1, -1}, {1.0, 0.0, 0.0}, 1);
+        break;
+    }
+  }
+  void count_edge(Index a, Index b, double at, int times) {
+    if (a > b) {
+      std::swap(a, b);
+      at = 1.0 - at;
+    }
+    count({a, b, -1}, {1.0 - at, at, 0.0}, times);
+  }
+  void count(const std::array<Index, 3>& vertices, const std::array<double, 3>& weights, int times) {
+    const auto found = std::ranges::find(features_, vertices, &Feature::vertices);
+    if (found != features_.end())
+      found->times += times;
+    else
+      features_.push_back({vertices, weights, times});
+  }
+
+  // Edges that two of the faces share, each at the first of them.
+  void take_off_edges(Index face) {
+    for (int k = 0; k < 3; ++k) {
+      const auto& [first, second] = surface_.triangles_at(surface_.edges_of(face)[k]);
+      if (face != std::min(first, second) || !is_near(std::max(first, second))) continue;
+      const auto& corners = surface_.triangles()[face];
+      const Index a = std::min(corners[k], corners[(k + 1) % 3]), b = std::max(corners[k], corners[(k + 1) % 3]);
+      const ClosestOnSegment closest = closest_on_segment(places_[vertex_], places_[a], places_[b]);
+      if (!(closest.squared_distance < reach_ * reach_)) continue;
+      if (closest.at == 0.0)
+        count({a, -1, -1}, {1.0, 0.0, 0.0}, -1);
+      else if (closest.at == 1.0)
+        count({b, -1, -1}, {1.0, 0.0, 0.0}, -1);
+      else
+        count_edge(a, b, closest.at, -1);
+    }
+  }
+
+  // Corners whose faces are all among them, each at the first of them.
+  void add_corners(Index face) {
+    for (const Index corner : surface_.triangles()[face]) {
+      const auto around = surface_.triangles_around(corner);
+      if (face != *std::ranges::min_element(around)) continue;
+      if (!((places_[corner] - places_[vertex_]).squaredNorm() < reach_ * reach_)) continue;
+      if (std::ranges::all_of(around, [this](Index t) { return is_near(t); }))
+        count({corner, -1, -1}, {1.0, 0.0, 0.0}, 1);
+    }
+  }
+
+  void press_on(const Feature& feature, std::vector<TouchingPair>& to) const {
+    TouchingPair pair;
+    Vec3 between = places_[vertex_];
+    pair.vertices[0] = vertex_;
+    pair.weights[0] = 1.0;
+    for (std::size_t k = 0; k < 3 && feature.vertices[k] >= 0; ++k) {
+      pair.vertices[k + 1] = feature.vertices[k];
+      pair.weights[k + 1] = -feature.weights[k];
+      between -= feature.weights[k] * places_[feature.vertices[k]];
+    }
+    press(pair, between, 0.5 * feature.times * surface_.area(vertex_), barrier(between.norm(), reach_, stiffness_));
+    to.push_back(pair);
+  }
+
+  const ContactSurface& surface_;
+  std::span<const Vec3> places_;
+  double stiffness_, reach_ = 0.0;
+  Index vertex_ = -1;
+  std::vector<Index> near_;
+  std::vector<Feature> features_;
+};
+
+// Two edges; each stands for a third of its triangles, and either side for half of the pressure.
+void add_edges(const ContactSurface& surface, const EdgePair& edges, std::span<const Vec3> places, double stiffness,
+               std::vector<TouchingPair>& to) {
+  TouchingPair pair;
+  pair.vertices = surface.ends_of(edges.first, edges.second);
+  const auto [a, b, c, d] = at(places, pair.vertices);
+  const ClosestOnSegments closest = closest_on_segments(a, b, c, d);
+  if (!(closest.squared_distance < edges.reach * edges.reach)) return;
+  pair.weights = {1.0 - closest.first, closest.first, closest.second - 1.0, -closest.second};
+  const Vec3 between = pair.weights[0] * a + pair.weights[1] * b + pair.weights[2] * c + pair.weights[3] * d;
+  const auto squared_at_rest = [&](Index edge) {
+    return (surface.rest(surface.edges()[edge][1]) - surface.rest(surface.edges()[edge][0])).squaredNorm();
+  };
+  const ParallelMollifier mollifier(b - a, d - c, squared_at_rest(edges.first) * squared_at_rest(edges.second));
+  const double area = 0.25 * (surface.area_of_edge(edges.first) + surface.area_of_edge(edges.second));
+  const BarrierValue value = barrier(between.norm(), edges.reach, stiffness);
+  press(pair, between, area * mollifier.value, value);
+  const Vec3 first = area * value.energy * mollifier.first, second = area * value.energy * mollifier.second;
+  pair.turning = {-first, first, -second, second};
+  to.push_back(pair);
+}
+
+}  // namespace
+
+std::vector<TouchingPair> touching_pairs(const ContactSurface& surface, const ContactCandidates& candidates,
+                                         std::span<const Vec3> places, double stiffness) {
+  const auto& faces = candidates.vertex_faces();
+  const auto& edges = candidates.edges();
+  const std::size_t of_faces = (faces.size() + kPairsPerChunk - 1) / kPairsPerChunk;
+  const std::size_t of_edges = (edges.size() + kPairsPerChunk - 1) / kPairsPerChunk;
+  std::vector<std::vector<TouchingPair>> found(of_faces + of_edges);
+  for_each_chunk(
+      faces.size(),
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        NearVertex near(surface, places, stiffness);
+        // The faces of a vertex belong to the chunk in which they begin.
+        while (begin < end && begin > 0 && faces[begin].vertex == faces[begin - 1].vertex) ++begin;
+        while (begin < end) {
+          std::size_t next = begin + 1;
+          while (next < faces.size() && faces[next].vertex == faces[begin].vertex) ++next;
+          near.add(std::span(faces).subspan(begin, next - begin), found[chunk]);
+          begin = next;
+        }
+      },
+      kPairsPerChunk);
+  for_each_chunk(
+      edges.size(),
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+          add_edges(surface, edges[k], places, stiffness, found[of_faces + chunk]);
+      },
+      kPairsPerChunk);
+  std::vector<TouchingPair> result;
+  for (const auto& of_chunk : found) result.insert(result.end(), of_chunk.begin(), of_chunk.end());
+  return result;
+}
+
+}  // namespace lappet

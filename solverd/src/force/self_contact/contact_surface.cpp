@@ -1,0 +1,129 @@
+#include "force/self_contact/contact_surface.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "force/self_contact/distances.h"
+
+namespace lappet {
+
+ContactSurface::ContactSurface(const Lattice& lattice, const Surface& surface, double reach, const Interrupt& interrupt)
+    : lattice_(lattice),
+      reach_(reach),
+      rest_(surface.points),
+      triangles_(surface.triangles),
+      tree_(surface.points, surface.triangles) {
+  interrupt.check();
+  find_edges();
+  interrupt.check();
+  find_areas();
+  find_reaches(interrupt);
+}
+
+std::array<Vec3, 3> ContactSurface::rest_of(Index triangle) const {
+  const auto& [a, b, c] = triangles_[triangle];
+  return {rest_[a], rest_[b], rest_[c]};
+}
+
+void ContactSurface::find_edges() {
+  std::vector<Index> corners;
+  std::vector<std::uint8_t> owned_already(rest_.size(), 0);
+  std::map<Edge, Index> known;
+  owned_.assign(triangles_.size(), 0);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    auto& own = edges_of_triangle_.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
+      corners.push_back(a);
+      if (!std::exchange(owned_already[a], 1)) owned_[t] |= std::uint8_t(1 << k);
+      const auto [found, fresh] = known.try_emplace({std::min(a, b), std::max(a, b)}, to_index(edges_.size()));
+      if (fresh) {
+        edges_.push_back({std::min(a, b), std::max(a, b)});
+        triangles_of_edge_.push_back({to_index(t), -1});
+        owned_[t] |= std::uint8_t(1 << (3 + k));
+      } else {
+        triangles_of_edge_[found->second][1] = to_index(t);
+      }
+      own[k] = found->second;
+    }
+  }
+  around_ = group_by(corners, rest_.size());
+  for (Index& corner : around_.items) corner /= 3;
+}
+
+void ContactSurface::find_areas() {
+  area_of_vertex_.assign(rest_.size(), 0.0);
+  area_of_edge_.assign(edges_.size(), 0.0);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const auto [a, b, c] = rest_of(to_index(t));
+    const double third = (b - a).cross(c - a).norm() / 6.0;
+    for (int k = 0; k < 3; ++k) {
+      area_of_vertex_[triangles_[t][k]] += third;
+      area_of_edge_[edges_of_triangle_[t][k]] += third;
+    }
+  }
+  const double least = kMinArea * lattice_.settings.spacing * lattice_.settings.spacing;
+  for (auto* areas : {&area_of_vertex_, &area_of_edge_})
+    for (double& area : *areas) area = std::max(area, least);
+}
+
+void ContactSurface::find_reaches(const Interrupt& interrupt) {
+  reach_of_vertex_.assign(rest_.size(), reach_);
+  for_each_row(rest_.size(), [&](std::size_t v) {
+    interrupt.check();
+    const Vec3& point = rest_[v];
+    double nearest = reach_ / kShareOfRest;
+    tree_.for_each_near({point, point, Vec3::Zero(), Vec3::Zero()}, nearest, [&](Index t) {
+      if (!counts(to_index(v), t)) return;
+      const auto [a, b, c] = rest_of(t);
+      nearest = std::min(nearest, std::sqrt(closest_on_triangle(point, a, b, c).squared_distance));
+    });
+    reach_of_vertex_[v] = kShareOfRest * nearest;
+  });
+}
+
+bool ContactSurface::counts(Index vertex, Index triangle) const {
+  const auto& [a, b, c] = triangles_[triangle];
+  if (a == vertex || b == vertex || c == vertex) return false;
+  return closest_on_triangle(rest_[vertex], rest_[a], rest_[b], rest_[c]).squared_distance >
+         kTouchesAtRest * kTouchesAtRest;
+}
+
+double ContactSurface::reach_of(Index edge, Index other) const {
+  const auto ends = ends_of(edge, other);
+  if (ends[0] == ends[2] || ends[0] == ends[3] || ends[1] == ends[2] || ends[1] == ends[3]) return 0.0;
+  const auto [a, b, c, d] = at(rest_, ends);
+  const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
+  return apart > kTouchesAtRest ? kEdgeShare * std::min(reach_, kShareOfRest * apart) : 0.0;
+}
+
+template <class Real>
+void ContactSurface::positions(std::span<const Real> u, std::vector<Vec3>& result) const {
+  displacements(u, result);
+  for_each_index(rest_.size(), [&](std::size_t v) { result[v] += rest_[v]; });
+}
+
+template <class Real>
+void ContactSurface::displacements(std::span<const Real> u, std::vector<Vec3>& result) const {
+  result.resize(rest_.size());
+  for_each_index(rest_.size(), [&](std::size_t v) {
+    const EmbeddedPoint& point = lattice_.surface_points[v];
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < 8; ++k) sum += point.weights[k] * NodeField(u)[lattice_.cell_nodes[point.cell][k]];
+    result[v] = sum;
+  });
+}
+
+std::size_t ContactSurface::bytes() const {
+  return rest_.size() * (sizeof(Vec3) + 2 * sizeof(double)) + triangles_.size() * (6 * sizeof(Index) + 1) +
+         edges_.size() * (4 * sizeof(Index) + sizeof(double)) + around_.bytes() + tree_.bytes();
+}
+
+template void ContactSurface::positions(std::span<const float>, std::vector<Vec3>&) const;
+template void ContactSurface::positions(std::span<const double>, std::vector<Vec3>&) const;
+template void ContactSurface::displacements(std::span<const float>, std::vector<Vec3>&) const;
+template void ContactSurface::displacements(std::span<const double>, std::vector<Vec3>&) const;
+
+}  // namespace lappet

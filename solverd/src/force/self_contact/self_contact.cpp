@@ -1,0 +1,156 @@
+#include "force/self_contact/self_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "force/self_contact/continuous_collision.h"
+
+namespace lappet {
+
+namespace {
+
+// From how many spacings on surfaces keep apart: a crease that nobody sees, and wide enough for a barrier that is not
+// much stiffer than the cells behind it.
+constexpr double kReach = 0.05;
+// By how many spacings the surface may move before pairs are looked for again.
+constexpr double kSlack = 0.1;
+// Of the barrier, in Young's moduli: surfaces at half the reach press on each other with about a fifth of one.
+constexpr double kStiffness = 0.2;
+constexpr std::size_t kPairsPerChunk = 128;
+
+// The least of the shares that body(k, most) finds for each pair, given what is left of the step so far.
+template <class Body>
+double least_share(std::size_t count, double most, const Body& body) {
+  std::vector<double> of_chunk((count + kPairsPerChunk - 1) / kPairsPerChunk, most);
+  for_each_chunk(
+      count,
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) of_chunk[chunk] = std::min(of_chunk[chunk], body(k, of_chunk[chunk]));
+      },
+      kPairsPerChunk);
+  for (const double share : of_chunk) most = std::min(most, share);
+  return most;
+}
+
+}  // namespace
+
+SelfContact::SelfContact(const Lattice& lattice, const Surface& surface, double modulus, const Interrupt& interrupt)
+    : surface_(lattice, surface, kReach * lattice.settings.spacing, interrupt),
+      candidates_(surface_, kSlack * lattice.settings.spacing),
+      stiffness_(kStiffness * modulus) {}
+
+template <class Real>
+std::size_t SelfContact::count_piercings(std::span<const Real> u) {
+  surface_.positions(u, places_);
+  return candidates_.piercings(places_).size();
+}
+
+template <class Real>
+std::size_t SelfContact::begin(std::span<const Real> u) {
+  surface_.positions(u, places_);
+  const std::vector<Piercing> piercings = candidates_.piercings(places_);
+  return piercings.size() + candidates_.leave_out(piercings, places_);
+}
+
+template <class Real>
+void SelfContact::evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state) {
+  surface_.positions(u, places_);
+  candidates_.cover(places_);
+  state.pairs = touching_pairs(surface_, candidates_, places_, stiffness_);
+  state.energy = 0.0;
+  for (const TouchingPair& pair : state.pairs) state.energy += pair.energy;
+  add_gradient(state.pairs, gradient);
+}
+
+void SelfContact::add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const {
+  for (const TouchingPair& pair : pairs)
+    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
+      const EmbeddedPoint& point = surface_.embedded(pair.vertices[k]);
+      const auto& nodes = surface_.lattice().cell_nodes[point.cell];
+      const Vec3 of_vertex = pair.gradient(k);
+      for (std::size_t n = 0; n < 8; ++n)
+        for (int i = 0; i < 3; ++i) gradient[offset_of(3, nodes[n]) + i] += point.weights[n] * of_vertex[i];
+    }
+}
+
+SparseRows SelfContact::rows(std::span<const TouchingPair> pairs) const {
+  SparseRows result;
+  for (const TouchingPair& pair : pairs) {
+    const Vec3 along = std::sqrt(pair.stiffness) * pair.normal;
+    const auto first = static_cast<std::ptrdiff_t>(result.nodes.size());
+    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
+      const EmbeddedPoint& point = surface_.embedded(pair.vertices[k]);
+      for (std::size_t n = 0; n < 8; ++n) {
+        const double weight = pair.weights[k] * point.weights[n];
+        if (weight == 0.0) continue;
+        const Index node = surface_.lattice().cell_nodes[point.cell][n];
+        const auto known = std::find(result.nodes.begin() + first, result.nodes.end(), node);
+        if (known != result.nodes.end()) {
+          result.factors[known - result.nodes.begin()] += weight * along;
+        } else {
+          result.nodes.push_back(node);
+          result.factors.push_back(weight * along);
+        }
+      }
+    }
+    result.start.push_back(static_cast<std::uint32_t>(result.nodes.size()));
+  }
+  return result;
+}
+
+std::vector<SelfContact::Place> SelfContact::places(std::span<const TouchingPair> pairs) const {
+  std::vector<Place> result;
+  for (const TouchingPair& pair : pairs) {
+    Place& place = result.emplace_back();
+    place.normal = pair.normal;
+    double most = 0.0, other_most = 0.0;
+    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
+      const double weight = pair.weights[k];
+      const Index cell = surface_.embedded(pair.vertices[k]).cell;
+      if (weight > 0.0) place.at += weight * surface_.rest(pair.vertices[k]);
+      if (weight > most) {
+        most = weight;
+        place.cell = cell;
+      }
+      if (-weight > other_most) {
+        other_most = -weight;
+        place.other_cell = cell;
+      }
+    }
+  }
+  return result;
+}
+
+template <class Real>
+void SelfContact::cover(std::span<const Real> u, std::span<const Real> step, double most) {
+  surface_.positions(u, places_);
+  surface_.displacements(step, ways_);
+  for_each_index(ways_.size(), [&](std::size_t v) { ways_[v] *= most; });
+  candidates_.cover(places_, ways_);
+}
+
+template <class Real>
+double SelfContact::largest_step(std::span<const Real> u, std::span<const Real> step, double most) {
+  cover(u, step, most);
+  const auto& faces = candidates_.vertex_faces();
+  const double share = least_share(faces.size(), 1.0, [&](std::size_t k, double so_far) {
+    const auto corners = surface_.corners_of(faces[k].vertex, faces[k].face);
+    return point_triangle_way(at(places_, corners), at(ways_, corners), so_far);
+  });
+  const auto& edges = candidates_.edges();
+  return most * least_share(edges.size(), share, [&](std::size_t k, double so_far) {
+           const auto ends = surface_.ends_of(edges[k].first, edges[k].second);
+           return segments_way(at(places_, ends), at(ways_, ends), so_far);
+         });
+}
+
+template std::size_t SelfContact::count_piercings(std::span<const float>);
+template std::size_t SelfContact::count_piercings(std::span<const double>);
+template std::size_t SelfContact::begin(std::span<const float>);
+template std::size_t SelfContact::begin(std::span<const double>);
+template void SelfContact::evaluate(std::span<const float>, std::span<double>, SelfContactState&);
+template void SelfContact::evaluate(std::span<const double>, std::span<double>, SelfContactState&);
+template double SelfContact::largest_step(std::span<const float>, std::span<const float>, double);
+template double SelfContact::largest_step(std::span<const double>, std::span<const double>, double);
+
+}  // namespace lappet

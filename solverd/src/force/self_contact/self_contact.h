@@ -1,0 +1,74 @@
+// Contact of the tissue's surface with itself, without friction: a barrier between vertices and faces and between edges
+// (contact_pairs.h, barrier.h), and the largest step that takes nothing through anything (continuous_collision.h). A
+// state whose surface does not go through itself stays so; where a search begins with one that does, the pairs at those
+// places are left out and counted.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "force/constraints/sparse_rows.h"
+#include "force/self_contact/contact_pairs.h"
+
+namespace lappet {
+
+// What the surface does to itself in a state of displacements.
+struct SelfContactState {
+  std::vector<TouchingPair> pairs;
+  double energy = 0.0;  // mN mm
+
+  bool touches() const { return !pairs.empty(); }
+};
+
+class SelfContact {
+ public:
+  // modulus: Young's, of the tissue, kPa. Keeps a reference to the lattice, not to the surface.
+  SelfContact(const Lattice& lattice, const Surface& surface, double modulus, const Interrupt& interrupt = {});
+  SelfContact(const SelfContact&) = delete;
+  SelfContact& operator=(const SelfContact&) = delete;
+
+  // How often edges go through faces at u.
+  template <class Real>
+  std::size_t count_piercings(std::span<const Real> u);
+  // Leaves out the pairs at these places from now on, and those that lie on each other, but no others. Returns how many
+  // such places there are.
+  template <class Real>
+  std::size_t begin(std::span<const Real> u);
+
+  // Adds the gradient of the energy (3 per node). The same for any number of threads.
+  template <class Real>
+  void evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state);
+  // The tangent of pairs, positive semidefinite: without what comes of pairs that turn.
+  SparseRows rows(std::span<const TouchingPair> pairs) const;
+  // Adds the gradient of their energy (3 per node).
+  void add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const;
+  // Where a row's pair touches, at its first side, and where the vertex of that and of the other side is embedded that
+  // weighs most.
+  struct Place {
+    Vec3 normal = Vec3::Zero();
+    Vec3 at = Vec3::Zero();  // rest, mm
+    Index cell = -1, other_cell = -1;
+  };
+  std::vector<Place> places(std::span<const TouchingPair> pairs) const;
+
+  // The share of a step, `most` at most, on which no distance falls below a share of what it is.
+  template <class Real>
+  double largest_step(std::span<const Real> u, std::span<const Real> step, double most);
+
+  double stiffness() const { return stiffness_; }
+  const ContactSurface& surface() const { return surface_; }
+  const ContactCandidates& candidates() const { return candidates_; }
+  std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
+
+ private:
+  // Writes where a step begins and goes, and finds the candidates for it.
+  template <class Real>
+  void cover(std::span<const Real> u, std::span<const Real> step, double most);
+
+  ContactSurface surface_;
+  ContactCandidates candidates_;
+  double stiffness_;
+  std::vector<Vec3> places_, ways_;  // to write in
+};
+
+}  // namespace lappet

@@ -1,0 +1,219 @@
+// Tissue that meets tissue: blocks pressed together against the formula, a strip that folds on itself, wounds that are
+// sutured, what a hook cannot carry through, and what a session that never comes near itself pays: nothing.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "force/self_contact/self_contact.h"
+#include "grid_box.h"
+#include "session/session.h"
+#include "solve/system/reaction.h"
+
+namespace lappet {
+namespace {
+
+SessionSettings with_contact(int retractors, bool on = true) {
+  SessionSettings s;
+  s.spacing = 1.0;
+  s.retractors = retractors;
+  s.self_contact = on;
+  s.materials[0].model = "neoHookean";
+  s.materials[0].youngs_modulus = 50.0;
+  s.materials[0].poissons_ratio = 0.3;
+  return s;
+}
+
+Vec3 point(const FrameOutput& out, std::size_t v) {
+  return {out.points[3 * v], out.points[3 * v + 1], out.points[3 * v + 2]};
+}
+
+Vec3 reaction(const FrameOutput& out, Holder::Kind kind) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; 2 * k < out.holders.size(); ++k)
+    if (out.holders[2 * k] == static_cast<std::int32_t>(kind)) sum += Vec3::Map(&out.reactions[3 * k]);
+  return sum;
+}
+
+std::size_t piercings(const Surface& surface, const FrameOutput& out) {
+  const Lattice lattice = build_lattice(surface, {});
+  return SelfContact(lattice, surface, 50.0).count_piercings<double>(out.state.nodes);
+}
+
+// Two blocks of 4 x 4 x 3 mm on each other, a gap between them.
+Surface stacked_blocks(double gap) {
+  Surface surface = grid_box({0, 0, 0}, {4, 4, 3}, 0.5);
+  append(surface, grid_box({0, 0, 3 + gap}, {4, 4, 6 + gap}, 0.4));
+  return surface;
+}
+
+TEST(SelfContactSession, TwoBlocksPressedTogetherBearTheForceOfTheirShortening) {
+  SessionSettings s = with_contact(1);
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
+  s.precision = "double";
+  s.tolerance = 1e-5;
+  Session session(s);
+  const double gap = 0.3;
+  const Surface surface = stacked_blocks(gap);
+  session.set_epoch(make_epoch(
+      surface, [](const Vec3& c) { return c[2] < 1e-9; },
+      [&](const Vec3& c) { return c[2] > 6 + gap - 1e-9 ? 0 : -1; }));
+  for (const double push : {0.4, 0.6, 0.9, 1.5}) {
+    const FrameOutput out = session.solve(pulled({Vec3(0, 0, -push)}), {}, kNever);
+    ASSERT_TRUE(out.converged) << push << ": " << out.failure.message;
+    EXPECT_GT(out.self_contacts, 81);
+    EXPECT_EQ(out.piercings, 0);
+    double below = 0.0, above = 0.0;
+    int of_below = 0, of_above = 0;
+    for (std::size_t v = 0; v < surface.points.size(); ++v) {
+      if (std::abs(surface.points[v][2] - 3) < 1e-9) below += point(out, v)[2], ++of_below;
+      if (std::abs(surface.points[v][2] - 3 - gap) < 1e-9) above += point(out, v)[2], ++of_above;
+    }
+    const double left = above / of_above - below / of_below;
+    EXPECT_GT(left, 0.1 * 0.05) << push;  // of the reach
+    EXPECT_LT(left, 0.05);
+    const double shortening = push - (gap - left), force = 50.0 * 16.0 * shortening / 6.0;
+    EXPECT_NEAR(reaction(out, Holder::Kind::kFixed)[2], force, 0.02 * force) << push;
+    EXPECT_NEAR(reaction(out, Holder::Kind::kRetractor)[2], -force, 0.02 * force) << push;
+  }
+}
+
+// Turned over, its end comes down on its own middle, whose underside is held, and presses on it.
+TEST(SelfContactSession, AStripThatIsFoldedOntoItselfNeverPassesThroughItself) {
+  const Surface strip = grid_box({0, 0, 0}, {30, 4, 2}, 1.0);
+  const auto fold = [&](bool on, std::vector<FrameOutput>& frames) {
+    Session session(with_contact(1, on));
+    session.set_epoch(make_epoch(
+        strip, [](const Vec3& c) { return c[0] < 14 && c[2] < 1e-9; },
+        [](const Vec3& c) { return c[0] > 30 - 1e-9 ? 0 : -1; }));
+    constexpr int kFrames = 10;
+    for (int f = 1; f <= kFrames; ++f) {
+      const double share = double(f) / kFrames;
+      const Vec3 end(30, 2, 1);
+      const Vec3 to(30 - 24 * share, 2.3, 1 + 10 * std::sin(std::numbers::pi * share) + 1.7 * share);
+      const Eigen::Isometry3d motion = Eigen::Translation3d(to) *
+                                       Eigen::AngleAxisd(-std::numbers::pi * share, Vec3::UnitY()) *
+                                       Eigen::Translation3d(-end);
+      FrameInput frame;
+      frame.time = f;
+      frame.retractors = {{0, motion.matrix()}};
+      frames.push_back(session.solve(frame, {}, kNever));
+    }
+  };
+  std::vector<FrameOutput> apart, through;
+  fold(true, apart);
+  fold(false, through);
+  for (const FrameOutput& out : apart) {
+    EXPECT_TRUE(out.converged) << out.time << ": " << out.failure.message;
+    EXPECT_EQ(out.piercings, 0) << out.time;
+    EXPECT_EQ(piercings(strip, out), 0U) << out.time;
+  }
+  EXPECT_GT(apart.back().self_contacts, 0);
+  EXPECT_TRUE(through.back().converged);
+  EXPECT_GT(piercings(strip, through.back()), 0U);
+}
+
+// Two blocks beside each other, as a cut leaves them.
+Surface cut_block(double gap) {
+  Surface surface = grid_box({0, 0, 0}, {10 - gap / 2, 6, 3}, 1.0);
+  append(surface, grid_box({10 + gap / 2, 0, 0}, {20, 6, 3}, 0.8));
+  return surface;
+}
+
+EpochInput held_at_both_ends(const Surface& surface) {
+  return make_epoch(
+      surface, [](const Vec3& c) { return c[0] < 1e-9; }, [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+}
+
+TEST(SelfContactSession, WhatNeverComesNearItselfHasTheSameBitsAsWithout) {
+  std::vector<FrameOutput> outputs[2];
+  for (const bool on : {false, true}) {
+    Session session(with_contact(1, on));
+    session.set_epoch(held_at_both_ends(cut_block(0.05)));
+    for (const double pull : {2.0, 5.0}) outputs[on].push_back(session.solve(pulled({Vec3(pull, 1, 2)}), {}, kNever));
+  }
+  for (std::size_t f = 0; f < 2; ++f) {
+    ASSERT_TRUE(outputs[1][f].converged);
+    EXPECT_EQ(outputs[0][f].points, outputs[1][f].points);
+    EXPECT_EQ(outputs[0][f].state.nodes, outputs[1][f].state.nodes);
+    EXPECT_EQ(outputs[0][f].energy, outputs[1][f].energy);
+    EXPECT_EQ(outputs[1][f].self_contacts, 0);
+  }
+}
+
+TEST(SelfContactSession, ACutAtRestHasNoForceHoweverThinItIs) {
+  for (const double gap : {0.01, 0.05, 0.3}) {
+    Session session(with_contact(1));
+    session.set_epoch(held_at_both_ends(cut_block(gap)));
+    const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
+    ASSERT_TRUE(out.converged);
+    EXPECT_EQ(out.newton_iterations, 0) << gap;
+    EXPECT_EQ(out.energy, 0.0) << gap;
+    EXPECT_EQ(out.self_contacts, 0) << gap;
+  }
+}
+
+TEST(SelfContactSession, SuturesCloseThroughContactWithinTheirTolerance) {
+  SessionSettings s = with_contact(1);
+  s.sutures = 3;
+  Session session(s);
+  const double gap = 1.0;
+  const Surface surface = cut_block(gap);
+  session.set_epoch(held_at_both_ends(surface));
+  const auto anchor = [&](double x, double y) {
+    EpochInput epoch;
+    epoch.surface = surface;
+    add_landmark(epoch, Vec3(x, y, 3));
+    return Anchor{epoch.landmarks[0], epoch.landmark_triangles[0]};
+  };
+  FrameInput frame = pulled({Vec3(0, 0, 0)});
+  for (int k = 0; k < 3; ++k) {
+    SutureState suture{k, anchor(10 - gap / 2, 1.0 + 2 * k), anchor(10 + gap / 2, 1.0 + 2 * k), 1.0, 1000.0};
+    frame.sutures.push_back(suture);
+  }
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.failure.message;
+  EXPECT_LE(out.largest_gap, s.gap_tolerance * s.spacing);
+  EXPECT_EQ(out.piercings, 0);
+  EXPECT_GT(out.self_contacts, 0);
+}
+
+TEST(SelfContactSession, AHookIsHeldBackByWhatIsInItsWay) {
+  Session session(with_contact(1));
+  const Surface surface = cut_block(0.5);
+  EpochInput epoch = held_at_both_ends(surface);
+  add_landmark(epoch, Vec3(10.25, 3, 1.5));  // on its wall: pulled, it does not tip over
+  session.set_epoch(epoch);
+  FrameInput frame;
+  frame.time = 1;
+  frame.hooks.push_back({{epoch.landmarks[0], epoch.landmark_triangles[0]}, Vec3(5, 3, 1.5), 20.0});
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.failure.message;
+  EXPECT_EQ(out.piercings, 0);
+  EXPECT_GT(out.self_contacts, 0);
+  const Vec3 force = Vec3::Map(out.hook_forces.data());
+  EXPECT_GT(out.hook_points[0], 8.0);
+  const Vec3 held = reaction(out, Holder::Kind::kFixed) + reaction(out, Holder::Kind::kWeakBed);
+  EXPECT_LT((held + force).norm(), 0.01 * force.norm());
+  EXPECT_GT(reaction(out, Holder::Kind::kFixed)[0], -0.5 * force[0]);
+}
+
+TEST(SelfContactSession, AStartThatGoesThroughItselfIsToldAndSolved) {
+  const Surface surface = cut_block(0.3);
+  const EpochInput epoch = held_at_both_ends(surface);
+  const FrameInput frame = pulled({Vec3(-0.8, 0.13, 0.21)});
+  Session without(with_contact(1, false)), with(with_contact(1));
+  without.set_epoch(epoch);
+  with.set_epoch(epoch);
+  const FrameOutput through = without.solve(frame, {}, kNever);
+  ASSERT_TRUE(through.converged);
+  ASSERT_GT(piercings(surface, through), 0U);
+  with.set_state(through.state);
+  const FrameOutput told = with.solve(frame, {}, kNever);
+  EXPECT_EQ(std::size_t(told.piercings_before), piercings(surface, through));
+  EXPECT_TRUE(told.converged) << told.failure.message;
+}
+
+}  // namespace
+}  // namespace lappet
