@@ -33,7 +33,9 @@ def test_an_incompressible_strip_follows_the_neo_hookean_formula() -> None:
     assert curve(material, stretches) == pytest.approx(formula, rel=1e-3)
 
 
-SKINS = [preset.material for preset in PRESETS.values() if preset.material.poissons_ratio == DEFAULT_SKIN.poissons_ratio]
+SKINS = [
+    preset.material for preset in PRESETS.values() if preset.material.poissons_ratio == DEFAULT_SKIN.poissons_ratio
+]
 
 
 def test_every_skin_but_excised_dermis_has_the_default_poissons_ratio() -> None:
