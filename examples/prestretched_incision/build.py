@@ -25,7 +25,7 @@ ALONG, ACROSS, END = 3, 5, 6  # time codes
 # The relaxed skin tension lines run along x: there the fibers run, and there the skin is tauter.
 TAUT = replace(
     SKIN.material,
-    poissons_ratio=0.4875,
+    poissons_ratio=0.49,
     fiber_k1=15.0,
     fiber_k2=1.0,
     fiber_dispersion=0.2,

@@ -100,7 +100,7 @@ class Material:
 
 # J-shaped: soft until its crimped fibers straighten. `lappet.tissue.presets` says where the numbers come from.
 DEFAULT_SKIN = Material(
-    "skin", poissons_ratio=0.4875, fiber_k1=200.0, fiber_k2=1.0, fiber_dispersion=0.25, fiber_slack=1.05
+    "skin", poissons_ratio=0.49, fiber_k1=200.0, fiber_k2=1.0, fiber_dispersion=0.25, fiber_slack=1.05
 )
 
 

@@ -15,7 +15,7 @@ from lappet.tissue.presets.preset import CHOSEN, Preset, PublishedCurve, Sourced
 _MATRIX = Sourced("youngs_modulus", "50 kPa", "Jor 2011", "a shear modulus of 17 kPa, within those of the matrix")
 _VOLUME = Sourced(
     "poissons_ratio",
-    "0.4875",
+    "0.49",
     CHOSEN,
     "keeps the volume within 1 % up to a stretch of 1.6, along and across; a lattice locks nearer to 0.5",
 )
