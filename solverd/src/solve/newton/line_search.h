@@ -92,7 +92,7 @@ class LineSearch {
         taken.alpha = alpha;
         return taken;
       }
-      if (!(lowest > kLeastOfMotion && lowest < kMostOfMotion)) break;
+      if (!(lowest > kMinMotion && lowest < kMaxMotion)) break;
       alpha *= lowest;
     }
     evaluate(u, now);
@@ -138,7 +138,7 @@ class LineSearch {
   static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
   static constexpr int kMaxDoublings = 5;
   // Of a motion that goes on: chosen.
-  static constexpr double kAboutWhole = 0.25, kLeastOfMotion = 0.05, kMostOfMotion = 4.0;
+  static constexpr double kAboutWhole = 0.25, kMinMotion = 0.05, kMaxMotion = 4.0;
 
   bool stays_upright(const EvaluationSummary& before, const EvaluationSummary& now, double alpha) const {
     return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
