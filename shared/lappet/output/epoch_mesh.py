@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -28,15 +27,7 @@ _COLORS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), 
 _INSTANT = 1.0 / 1024.0  # of a frame
 
 
-def write_epoch(
-    stage: Any,
-    epoch: Epoch,
-    shading: ShadingNormals,
-    frames: Sequence[SolvedFrame],
-    times: Sequence[float],
-    fps: float,
-    pool: ThreadPoolExecutor,
-) -> None:
+def write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: Sequence[float], fps: float) -> None:
     """Write the skin of an epoch, shown at its own frames alone.
 
     Parameters
@@ -45,19 +36,15 @@ def write_epoch(
         The stage of the cache.
     epoch
         The epoch.
-    shading
-        The smooth groups of its surface.
     frames
         Its solved frames, one after the other.
     times
         Time codes of all frames of the cache.
     fps
         Frames a second.
-    pool
-        Threads to compute in.
     """
     mesh = _define(stage, epoch)
-    _animate(mesh, shading, frames, fps, pool)
+    _animate(mesh, ShadingNormals(epoch.surface), frames, fps)
     _show(mesh, {frame.time for frame in frames}, times)
 
 
@@ -86,9 +73,7 @@ def _define(stage: Any, epoch: Epoch) -> Any:
     return mesh
 
 
-def _animate(
-    mesh: Any, shading: ShadingNormals, frames: Sequence[SolvedFrame], fps: float, pool: ThreadPoolExecutor
-) -> None:
+def _animate(mesh: Any, shading: ShadingNormals, frames: Sequence[SolvedFrame], fps: float) -> None:
     usd = pxr()
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
     primvars = usd.UsdGeom.PrimvarsAPI(mesh)
@@ -99,14 +84,12 @@ def _animate(
     scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
     points, velocities, extent = mesh.GetPointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
     moved = [np.asarray(frame.points, np.float32) for frame in frames]
-    shaded = pool.map(shading.at, moved)
-    speeds = pool.map(lambda i: _velocity(moved, i, fps), range(len(moved)))
-    for frame, place, normal, velocity in zip(frames, moved, shaded, speeds, strict=True):
+    for i, frame in enumerate(frames):
         time = frame.time
-        points.Set(vectors(place), time)
-        normals.Set(vectors(normal), time)
-        velocities.Set(vectors(velocity), time)
-        extent.Set(vectors(bounds(place)), time)
+        points.Set(vectors(moved[i]), time)
+        normals.Set(vectors(shading.at(moved[i])), time)
+        velocities.Set(vectors(_velocity(moved, i, fps)), time)
+        extent.Set(vectors(bounds(moved[i])), time)
         for name, primvar in scalars.items():
             primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 
 from lappet.core.version import version
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.geometry.shading_normals import ShadingNormals
 from lappet.output.boundary_forces import write_boundary_forces
 from lappet.output.epoch_mesh import write_epoch
 from lappet.output.force_errors import write_force_errors
@@ -96,11 +94,9 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     times = [frame.time for frame in frames]
     epochs = {constraints.time: constraints.epoch for constraints in program.frames}
     shown = [epoch for epoch in program.epochs if epoch.index in {epochs[time] for time in times}]
-    with ThreadPoolExecutor() as pool:  # what numpy computes, it computes in several threads at once
-        shaded = pool.map(lambda epoch: ShadingNormals(epoch.surface), shown)
-        for epoch, shading in zip(shown, shaded, strict=True):
-            own = [frame for frame in frames if epochs[frame.time] == epoch.index]
-            write_epoch(stage, epoch, shading, own, times, program.fps, pool)
+    for epoch in shown:
+        own = [frame for frame in frames if epochs[frame.time] == epoch.index]
+        write_epoch(stage, epoch, own, times, program.fps)
     _write_sutures(stage, procedure, program, frames)
     _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
