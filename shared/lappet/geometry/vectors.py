@@ -1,4 +1,4 @@
-"""Arrays of vectors with the coordinate as the first axis: numpy is slow along short axes that come last.
+"""Arrays of vectors, most with the coordinate as the first axis: numpy is slow along short axes that come last.
 
 The numbers are those of `numpy.cross`, `numpy.einsum` and `numpy.linalg.norm` to the bit, and do not depend on shapes
 and strides.

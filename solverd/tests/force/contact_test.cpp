@@ -6,6 +6,7 @@
 #include <random>
 
 #include "box.h"
+#include "grid_box.h"
 #include "lattice/refused.h"
 #include "session/session.h"
 #include "solve/newton/equilibrium.h"
@@ -18,42 +19,6 @@ const Vec3 kBall(20, 10, -15);
 constexpr double kRadius = 15.0;
 
 Surface ball(int rings = 50) { return test::sphere(kBall, kRadius, rings); }
-
-// A sheet with a vertex at every lattice node of its faces.
-Surface sheet(const Vec3& low, const Vec3& high, double edge) {
-  Surface s;
-  std::map<std::array<std::int64_t, 3>, std::int32_t> known;
-  const auto vertex = [&](const Vec3& p) {
-    const std::array<std::int64_t, 3> key{std::llround(p[0] * 1e4), std::llround(p[1] * 1e4), std::llround(p[2] * 1e4)};
-    const auto [entry, inserted] = known.try_emplace(key, to_index(s.points.size()));
-    if (inserted) s.points.push_back(p);
-    return entry->second;
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (const bool top : {false, true}) {
-      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      const int nu = int(std::lround((high[u] - low[u]) / edge)), nv = int(std::lround((high[v] - low[v]) / edge));
-      const auto at = [&](int i, int j) {
-        Vec3 p;
-        p[axis] = top ? high[axis] : low[axis];
-        p[u] = low[u] + (high[u] - low[u]) * i / nu;
-        p[v] = low[v] + (high[v] - low[v]) * j / nv;
-        return vertex(p);
-      };
-      for (int i = 0; i < nu; ++i)
-        for (int j = 0; j < nv; ++j) {
-          const std::int32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
-          if (top) {
-            s.triangles.push_back({a, b, c});
-            s.triangles.push_back({a, c, d});
-          } else {
-            s.triangles.push_back({a, c, b});
-            s.triangles.push_back({a, d, c});
-          }
-        }
-    }
-  return s;
-}
 
 Vec3 point(const FrameOutput& out, std::size_t v) {
   return {out.points[3 * v], out.points[3 * v + 1], out.points[3 * v + 2]};
@@ -68,7 +33,7 @@ TEST(Contact, ABlockOnABonesFlatTopSinksByItsWeightOverThePenalty) {
   s.precision = "double";
   s.bones = test::box({-5, -5, -10}, {12, 12, 0});
   Session session(s);
-  EpochInput epoch = make_epoch(sheet({0, 0, 0}, {6, 6, 4}, 1.0), {});
+  EpochInput epoch = make_epoch(grid_box({0, 0, 0}, {6, 6, 4}, 1.0), {});
   add_landmark(epoch, Vec3(3, 3, 0));
   session.set_epoch(epoch);
   const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
@@ -103,7 +68,7 @@ class ContactSystem {
 };
 
 TEST(Contact, ForcesAreTheDerivativeOfTheEnergyAndTheTangentThatOfTheForces) {
-  const Surface tissue = sheet({0, 0, 0}, {8, 6, 2}, 1.0);
+  const Surface tissue = grid_box({0, 0, 0}, {8, 6, 2}, 1.0);
   ContactSystem scene(tissue, test::sphere({4, 3, -6}, 6.6, 80), {}, 500.0, Vec3::Zero());
   auto& system = scene.system();
   std::mt19937 random(3);
@@ -151,7 +116,7 @@ EquilibriumOutcome settle(ContactSystem& scene) {
 }
 
 TEST(Contact, TheBonesCarryTheWholeWeight) {
-  ContactSystem scene(sheet({0, 0, 0}, {6, 6, 4}, 1.0), test::box({-5, -5, -10}, {12, 12, 0}), {}, 500.0,
+  ContactSystem scene(grid_box({0, 0, 0}, {6, 6, 4}, 1.0), test::box({-5, -5, -10}, {12, 12, 0}), {}, 500.0,
                       Vec3(0, 0, -9.81));
   const auto outcome = settle(scene);
   ASSERT_TRUE(outcome.converged) << outcome.failure.message;
@@ -162,7 +127,7 @@ TEST(Contact, TheBonesCarryTheWholeWeight) {
 
 TEST(Contact, AStrapOverARollerHasTheSameTensionOnBothSides) {
   // Held at x = 0 and drawn down on the other side by hooks: a belt over a pulley without friction, wrapped unevenly.
-  const Surface strap = sheet({0, 0, 0}, {40, 6, 2}, 1.0);
+  const Surface strap = grid_box({0, 0, 0}, {40, 6, 2}, 1.0);
   std::vector<Eigen::Vector2d> circle;
   const double radius = 9.0;
   for (int i = 0; i < 96; ++i) {
@@ -212,7 +177,7 @@ SessionSettings strap_settings() {
 }
 
 EpochInput strap() {
-  return make_epoch(sheet({0, 4, 0.5}, {40, 16, 2.5}, 1.0), {}, [](const Vec3& c) {
+  return make_epoch(grid_box({0, 4, 0.5}, {40, 16, 2.5}, 1.0), {}, [](const Vec3& c) {
     return c[0] < 1e-9 ? 0 : c[0] > 40 - 1e-9 ? 1 : -1;
   });
 }
@@ -288,7 +253,7 @@ TEST(Contact, TissueThatStartsInBoneIsPushedOutOrRefusedWithItsDepth) {
     SessionSettings s;
     s.bones = test::box({-5, -5, -10}, {12, 12, depth});
     Session session(s);
-    const EpochInput epoch = make_epoch(sheet({0, 0, 0}, {6, 6, 4}, 1.0), {});
+    const EpochInput epoch = make_epoch(grid_box({0, 0, 0}, {6, 6, 4}, 1.0), {});
     if (depth < 0.5) {
       session.set_epoch(epoch);
       const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
@@ -326,7 +291,7 @@ TEST(Contact, AFaceThatARetractorCarriesIntoBoneIsNoEquilibrium) {
     s.bones = test::box({-5, -5, -6}, {17, 17, -1});
     Session session(s);
     session.set_epoch(make_epoch(
-        sheet({0, 0, 0}, {12, 12, 6}, 2.0), [](const Vec3& c) { return c[2] > 6 - 1e-9; },
+        grid_box({0, 0, 0}, {12, 12, 6}, 2.0), [](const Vec3& c) { return c[2] > 6 - 1e-9; },
         [](const Vec3& c) { return c[2] < 1e-9 ? 0 : -1; }));
     const FrameOutput out = session.solve(pulled({Vec3(0, 0, -down)}), {}, kNever);
     EXPECT_EQ(out.converged, down < 1.0) << out.failure.message;
@@ -349,7 +314,7 @@ TEST(Contact, APressureOfTheModulusIsHeldByMultipliersWhereThePenaltyAloneWouldG
   s.bones = test::box({-5, -5, -10}, {12, 12, 0});
   Session session(s);
   session.set_epoch(
-      make_epoch(sheet({0, 0, 0}, {6, 6, 4}, 1.0), {}, [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; }));
+      make_epoch(grid_box({0, 0, 0}, {6, 6, 4}, 1.0), {}, [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; }));
   for (const double down : {0.8, 1.6, 2.4}) {
     const FrameOutput out = session.solve(pulled({Vec3(0, 0, -down)}), {}, kNever);
     ASSERT_TRUE(out.converged) << down << ": " << out.failure.message;
@@ -363,7 +328,7 @@ TEST(Contact, ALongStepDoesNotTakeTissueThroughAThinBone) {
   s.bones = test::box({-5, -5, -4}, {15, 11, -2.8});  // a plate of 1.2 mm
   Session session(s);
   const EpochInput epoch =
-      make_epoch(sheet({0, 0, 0}, {10, 6, 2}, 1.0), {}, [](const Vec3& c) { return c[0] < 1e-9 ? 0 : -1; });
+      make_epoch(grid_box({0, 0, 0}, {10, 6, 2}, 1.0), {}, [](const Vec3& c) { return c[0] < 1e-9 ? 0 : -1; });
   // A hook draws the free end far below the plate.
   std::int32_t triangle = 0;
   for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t)

@@ -368,10 +368,7 @@ class EquilibriumSearch {
         jumped_ = true;
       }
     } else {
-      const double slope =
-          reduce<1>(step_.size(), [g = now_.gradient.data(), s = step_.data()](std::size_t i, double* out) {
-            out[0] = g[i] * static_cast<double>(s[i]);
-          })[0];
+      const double slope = LineSearch<Real>::slope_of(now_, step_);
       if (!(slope < 0.0)) {
         fail(FailureCode::kNoDescent, "the linear solve gave no descent direction");
         return false;

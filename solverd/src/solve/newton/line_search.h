@@ -17,7 +17,7 @@ struct StepTaken {
   double alpha = 0.0;  // 0: no step lowers the energy
   double ratio = 1.0;  // actual to predicted decrease
   Evaluation reached;
-  bool hindered = false;  // something was in the way of a longer step
+  bool hindered = false;  // with self-contact: something was in the way of a longer step
 };
 
 template <class Real>
@@ -33,6 +33,13 @@ class LineSearch {
                    std::sqrt(static_cast<double>(system.lattice().cells()));
   }
 
+  // gradient . step
+  static double slope_of(const Evaluation& at, std::span<const Real> step) {
+    return reduce<1>(step.size(), [g = at.gradient.data(), s = step.data()](std::size_t i, double* out) {
+      out[0] = g[i] * static_cast<double>(s[i]);
+    })[0];
+  }
+
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
   // start: the evaluation at u, whose memory goes into those of the trials.
   StepTaken descend(std::span<Real> u, std::span<const Real> step, Evaluation start, double slope, double curvature) {
@@ -41,7 +48,7 @@ class LineSearch {
     Evaluation& now = taken.reached;
     double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest<Real>(step), 1e-300));
     const double free_way = system_.largest_step(u, step, alpha);
-    taken.hindered = free_way < alpha;
+    taken.hindered = system_.self_contact() != nullptr && free_way < alpha;
     alpha = free_way;
     const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
     while (true) {
@@ -107,7 +114,7 @@ class LineSearch {
   StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment, Evaluation start) {
     const EvaluationSummary before = start;
     StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = std::move(start)};
-    taken.hindered = taken.alpha < 1.0;
+    taken.hindered = system_.self_contact() != nullptr && taken.alpha < 1.0;
     while (true) {
       for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i]; });
       if (taken.alpha == 1.0)  // land exactly
@@ -149,11 +156,6 @@ class LineSearch {
                             double slope) const {
     if (!(now.energy <= before.energy + rounding(before.energy))) return false;
     return std::abs(slope_of(now, step)) <= kFlatter * std::abs(slope);
-  }
-  static double slope_of(const Evaluation& now, std::span<const Real> step) {
-    return reduce<1>(step.size(), [g = now.gradient.data(), s = step.data()](std::size_t i, double* out) {
-      out[0] = g[i] * static_cast<double>(s[i]);
-    })[0];
   }
   // These write a new evaluation over one that is no longer needed.
   void evaluate(std::span<const Real> u, Evaluation& now) { now = system_.evaluate(u, multipliers_, std::move(now)); }
