@@ -156,7 +156,7 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_POINTS_NOT_FINITE, path, mesh.points[bad[0]].tolist(), first=bad[0])
     extent = float(np.ptp(mesh.points[np.unique(mesh.triangles)], axis=0).max())
     if units is not None:
-        scale, stated = UNITS[units], "as asked"
+        scale, stated = UNITS[units], "given"
     elif scale == 0.0:
         guess = next((unit for unit, limit in _GUESSES if extent < limit), "mm")
         scale, stated = UNITS[guess], f"{guess}, guessed from a size of {extent:.4g}; --units says otherwise"

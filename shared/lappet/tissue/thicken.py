@@ -7,13 +7,14 @@ would fold; from there it grows again by a bounded slope.
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Place, refused
+from lappet.core.problem import Place, RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.border_loops import border_loops
 from lappet.geometry.normals import corner_normals
@@ -22,8 +23,9 @@ from lappet.geometry.triangles import area_normals, directions
 from lappet.geometry.vertex_neighbors import limit_slope, means_around
 from lappet.tissue.inner_side import InnerSide, Surroundings, inner_side, opposite_skin
 
-_ATTEMPTS = (4, 16, 64, 256)
-_LIMITED = 16  # rounds of smoothing of the normals where the thickness is limited
+_ATTEMPTS = (1, 4, 16, 64, 256)  # rounds of smoothing of the normals
+_WHOLE = (4, 16, 64, 256)  # of these, those with which the thickness is tried as it is wanted
+_LIMITED = (1, 4, 16)  # those with which it is lowered, the last one first
 _HALF = 0.45  # of the distance to the same piece of skin: each side takes so much, and a gap is left
 _SLOPE = 0.5  # mm of thickness per mm along the skin, where it is limited
 _LOWER = 0.8  # where the underside folds, the thickness is lowered to this share of it, again and again
@@ -52,8 +54,6 @@ class Sheet:
         Level of each vertex, from 0 on the skin's side to 1 on the underside, shape (n,).
     top
         Skin vertex that each vertex belongs to, shape (n,).
-    smoothing
-        Rounds of smoothing that the normals took.
     rim_quads
         Corners of the rim's quadrilaterals, shape (q, 4).
     depth
@@ -70,7 +70,6 @@ class Sheet:
     rim: NDArray[np.bool_]
     rim_level: NDArray[np.float64]
     top: NDArray[np.int64]
-    smoothing: int
     rim_quads: NDArray[np.int64]
     depth: NDArray[np.float64]
     lining: NDArray[np.bool_]
@@ -139,20 +138,23 @@ def thicken(
     wanted = np.broadcast_to(np.asarray(thickness, np.float64), len(points))
     edges = unique_edges(directed_edges(triangles))[0]
     normals = _corner_means(points, triangles)
-    kept: tuple[NDArray[np.float64], NDArray[np.float64], InnerSide | None] | None = None
+    started: list[tuple[NDArray[np.float64], NDArray[np.float64], InnerSide | None]] = []
     done = 0
     for rounds in _ATTEMPTS:
         for _ in range(rounds - done):
             normals = directions(normals + means_around(normals, edges))
         done = rounds
         depth, inner = _room(points, triangles, edges, -normals, wanted, around)
-        sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, rounds, depth, inner)
-        if not len(_turned(sheet)) and next(intersections(sheet.points, sheet.triangles), None) is None:
-            return sheet
-        if rounds == _LIMITED or kept is None:
-            kept = normals, depth, inner
-    assert kept is not None
-    return _lowered(points, triangles, edges, kept, wanted, rows, name)
+        if rounds in _LIMITED:
+            started.append((normals, depth, inner))
+        if rounds in _WHOLE:
+            sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, depth, inner)
+            if not len(_turned(sheet)) and next(intersections(sheet.points, sheet.triangles), None) is None:
+                return sheet
+    for start in reversed(started[1:]):
+        with contextlib.suppress(RefusedError):
+            return _lowered(points, triangles, edges, start, wanted, rows, name)
+    return _lowered(points, triangles, edges, started[0], wanted, rows, name)
 
 
 def _corner_means(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -197,7 +199,7 @@ def _lowered(
     normals, depth, inner = start
     where = int(depth.argmin())
     for _ in range(_STEPS):
-        sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, _LIMITED, depth, inner)
+        sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, depth, inner)
         bad = np.unique(triangles[_turned(sheet)])
         if len(bad) == 0:
             bad = _crossing(sheet, name)
@@ -240,7 +242,6 @@ def _sheet(
     triangles: NDArray[np.int64],
     under: NDArray[np.float64],
     rows: int,
-    rounds: int,
     depth: NDArray[np.float64],
     inner: InnerSide | None,
 ) -> Sheet:
@@ -277,7 +278,6 @@ def _sheet(
         rim=kind > 1,
         rim_level=np.concatenate(levels),
         top=np.concatenate(tops),
-        smoothing=rounds,
         rim_quads=np.concatenate(quads) if quads else np.zeros((0, 4), np.int64),
         depth=depth,
         lining=lining,
