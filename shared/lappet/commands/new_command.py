@@ -20,6 +20,8 @@ from lappet.commands.refusals import sentences
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed if left out.")
 @gravity_options("9.81")
+@click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Take the skin around a point, in mm; with --radius.")
+@click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @reading_options
@@ -29,6 +31,8 @@ def new(
     /,
     mesh: Path,
     output: Path,
+    at: tuple[float, float, float] | None,
+    radius: float | None,
     sphere: tuple[float, ...] | None,
     box: tuple[float, ...] | None,
     position: tuple[float, float, float] | None,
@@ -38,17 +42,22 @@ def new(
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
         from lappet.core.printable import printable
+        from lappet.core.problem import refused
+        from lappet.core.problem_code import ProblemCode
         from lappet.procedure import Procedure
         from lappet.tissue.tissue_from_mesh import new_tissue
         from lappet.usd.stage import write_procedure
 
-        tissue, found = new_tissue(
+        if (at is None) != (radius is None):
+            raise refused(ProblemCode.REGION_AT_AND_RADIUS, mesh.name)
+        tissue, report = new_tissue(
             mesh,
+            at=(at, radius) if at is not None and radius is not None else None,
             sphere=(sphere[:3], sphere[3]) if sphere else None,
             box=(box[:3], box[3:]) if box else None,
             **options,
         )
         write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
-        for line in found:
+        for line in report.lines:
             click.echo(printable(line))
         click.echo(f"Written: {output}")

@@ -6,6 +6,7 @@ import errno
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,13 @@ from lappet.foreign.reading_process import ReadingProcess
 from lappet.foreign.regular_file import refuse_irregular, refuse_kind
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.gltf_file import GltfFile
+from lappet.tissue.mesh_report import MeshReport, found
 from lappet.tissue.ply_sizes import refuse_ply_sizes
 from lappet.usd.stage import open_stage, pxr
 
 UNITS = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
+# The unit of a file without one, by its largest extent: most are a head or a face, about 250 mm, or a part of one.
+_GUESSES = (("m", 2.0), ("cm", 6.0), ("in", 14.0), ("cm", 35.0))
 _GLTF = (".glb", ".gltf")
 _USD = (".usd", ".usda", ".usdc", ".usdz")
 KINDS = (".obj", ".stl", ".ply", ".off", *_GLTF, *_USD)
@@ -44,6 +48,22 @@ class Mesh:
     triangles: NDArray[np.int64]
     uv: NDArray[np.float64] | None = None
 
+    def part(self, triangles: NDArray[Any]) -> Mesh:
+        """Take some of the triangles, and the vertices that they use.
+
+        Parameters
+        ----------
+        triangles
+            Which ones: a mask or indices.
+
+        Returns
+        -------
+        Mesh
+            The part.
+        """
+        used, compact = np.unique(self.triangles[triangles], return_inverse=True)
+        return Mesh(self.points[used], compact.reshape(-1, 3), None if self.uv is None else self.uv[triangles])
+
 
 @dataclass(frozen=True, eq=False)
 class MeshRead:
@@ -53,17 +73,17 @@ class MeshRead:
     ----------
     mesh
         The mesh, in mm with Z up.
-    lines
-        What was found, for people.
+    report
+        What was found.
     """
 
     mesh: Mesh
-    lines: tuple[str, ...]
+    report: MeshReport
 
 
 def read_mesh(
     path: str | Path, units: str | None = None, limits: ReadLimits = DEFAULT_LIMITS
-) -> tuple[Mesh, list[str]]:
+) -> tuple[Mesh, MeshReport]:
     """Read the mesh of a file, in mm with Z up.
 
     A child process reads it, with limits on memory, time and size. Several meshes in one file become one. What states
@@ -80,8 +100,8 @@ def read_mesh(
 
     Returns
     -------
-    tuple[Mesh, list[str]]
-        The mesh, and lines about what was found.
+    tuple[Mesh, MeshReport]
+        The mesh, and what was found.
 
     Raises
     ------
@@ -91,7 +111,7 @@ def read_mesh(
     """
     with ReadingProcess("lappet.tissue.mesh_child", "mesh", Path(path), limits, units or "") as process:
         read: MeshRead = process.result(MeshRead)
-    return read.mesh, list(read.lines)
+    return read.mesh, read.report
 
 
 def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> MeshRead:
@@ -136,21 +156,23 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_POINTS_NOT_FINITE, path, mesh.points[bad[0]].tolist(), first=bad[0])
     extent = float(np.ptp(mesh.points[np.unique(mesh.triangles)], axis=0).max())
     if units is not None:
-        scale, stated = UNITS[units], "as asked"
+        scale, stated = UNITS[units], "given"
     elif scale == 0.0:
-        guess = "m" if extent < 2.0 else "cm" if extent < 35.0 else "mm"
-        scale, stated = UNITS[guess], f"units guessed: {guess}, from a size of {extent:.4g}; say --units otherwise"
+        guess = next((unit for unit, limit in _GUESSES if extent < limit), "mm")
+        scale, stated = UNITS[guess], f"{guess}, guessed from a size of {extent:.4g}; --units says otherwise"
     points = mesh.points * scale
     if turn:
         points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
     size = np.ptp(points[np.unique(mesh.triangles)], axis=0)
-    lines = [
-        f"{path.name}: {len(points)} points, {len(mesh.triangles)} triangles",
-        f"size: {size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm ({stated})",
+    notes = [
+        found("file", path.name),
+        found("mesh", f"{len(points)} points, {len(mesh.triangles)} triangles"),
+        found("units", stated),
+        found("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
     ]
     if turn:
-        lines.append("turned from Y up to Z up: (x, y, z) is now (x, -z, y)")
-    return MeshRead(Mesh(points, mesh.triangles, mesh.uv), tuple(lines))
+        notes.append(found("axes", "turned from Y up to Z up: (x, y, z) is now (x, -z, y)"))
+    return MeshRead(Mesh(points, mesh.triangles, mesh.uv), MeshReport(tuple(notes)))
 
 
 class _NoFiles:

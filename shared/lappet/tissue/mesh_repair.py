@@ -11,11 +11,12 @@ from lappet.geometry.nesting import outermost_around
 from lappet.geometry.surface_check import directed_edges, open_edges, signed_volume, unique_edges
 from lappet.geometry.triangulation import clip_ears
 from lappet.tissue.mesh_file import Mesh
+from lappet.tissue.mesh_report import Note, repaired
 
 _WELD = 1e-6  # of the mesh's diagonal
 
 
-def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
+def weld(mesh: Mesh) -> tuple[Mesh, list[Note]]:
     """Keep one vertex per position (to 10⁻⁶ of the diagonal), and drop doubles and faces without area.
 
     Parameters
@@ -25,8 +26,8 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
 
     Returns
     -------
-    tuple[Mesh, list[str]]
-        The welded mesh, and lines about what was done.
+    tuple[Mesh, list[Note]]
+        The welded mesh, and what was done.
     """
     used = np.unique(mesh.triangles)
     grid = _WELD * max(float(np.linalg.norm(np.ptp(mesh.points[used], axis=0))), 1e-300)
@@ -43,20 +44,18 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
     _, unique = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     single = np.zeros(len(triangles), bool)
     single[unique] = True
-    lines = []
-    if len(points) < len(used):
-        lines.append(f"merged {len(used) - len(points)} vertices at the same place")
-    if len(used) < len(mesh.points):
-        lines.append(f"left out {len(mesh.points) - len(used)} points without a face")
-    if not keep.all():
-        lines.append(f"removed {int((~keep).sum())} degenerate faces")
-    if (keep & ~single).any():
-        lines.append(f"removed {int((keep & ~single).sum())} faces that were there twice")
+    counts = {
+        "merged vertices": (len(used) - len(points), "at the same place"),
+        "loose points": (len(mesh.points) - len(used), "without a face, left out"),
+        "degenerate faces": (int((~keep).sum()), "removed"),
+        "doubled faces": (int((keep & ~single).sum()), "removed"),
+    }
+    notes = [repaired(what, f"{count} {done}") for what, (count, done) in counts.items() if count]
     keep &= single
-    return Mesh(points, triangles[keep], None if mesh.uv is None else mesh.uv[keep]), lines
+    return Mesh(points, triangles[keep], None if mesh.uv is None else mesh.uv[keep]), notes
 
 
-def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
+def orient(mesh: Mesh) -> tuple[Mesh, list[Note]]:
     """Turn neighboring faces alike: closed parts outwards, open parts as most of their faces were.
 
     A closed part inside another one is a cavity of it, and turned inwards, if the file turns the two against each
@@ -70,8 +69,8 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
 
     Returns
     -------
-    tuple[Mesh, list[str]]
-        The oriented mesh, and lines about what was done.
+    tuple[Mesh, list[Note]]
+        The oriented mesh, and what was done.
     """
     edges = directed_edges(mesh.triangles)
     count = len(mesh.triangles)
@@ -116,10 +115,10 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
     triangles[turned] = triangles[turned][:, ::-1]
     if uv is not None:
         uv[turned] = uv[turned][:, ::-1]
-    lines = [f"turned {int(turned.sum())} faces whose normals pointed the wrong way"] if turned.any() else []
+    notes = [repaired("flipped normals", f"{int(turned.sum())} faces turned")] if turned.any() else []
     if inside_out:
-        lines.append(f"of them those of {len(inside_out)} closed part{'s' * (len(inside_out) != 1)} turned inside out")
-    return Mesh(mesh.points, triangles, uv), lines
+        notes.append(repaired("parts inside out", f"{len(inside_out)} closed, turned outwards"))
+    return Mesh(mesh.points, triangles, uv), notes
 
 
 def _inside_out(points: NDArray[np.float64], closed: list[NDArray[np.int64]]) -> list[int]:
