@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.geometry.catmull_clark import catmull_clark
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.connected_parts import parts_of
 from lappet.models.body_mesh import BODY, body_mesh
 from lappet.models.body_shape import NEUTRAL, BodyShape, shaped
 from lappet.models.openings import without_openings
 from lappet.models.region import Ellipsoid
 from lappet.procedure import Point
 from lappet.tissue.crop_mesh import crop
-from lappet.geometry.connected_parts import parts_of
+from lappet.tissue.mesh_file import Mesh
 
 _MARGIN = 25.0  # mm around what is asked for, so that its border is as smooth as the rest
 
@@ -75,7 +76,8 @@ class BodySurface:
         BodySurface
             The connected part of the skin in the region that is nearest to its center.
         """
-        both, triangles = crop(np.hstack([self.neutral, self.points]), self.triangles, [region.level])
+        cut = crop(Mesh(np.hstack([self.neutral, self.points]), self.triangles), [region.level])
+        both, triangles = cut.points, cut.triangles
         part = parts_of(triangles, len(both))
         center = np.array([region.center])
         away = [
@@ -98,7 +100,8 @@ class BodySurface:
             The skin that is not in it.
         """
         both = np.hstack([self.neutral, self.points])
-        return _compact(*crop(both, self.triangles, [lambda points: -region.level(points)]))
+        cut = crop(Mesh(both, self.triangles), [lambda points: -region.level(points)])
+        return _compact(cut.points, cut.triangles)
 
 
 def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -> BodySurface:
