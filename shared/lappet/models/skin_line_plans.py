@@ -18,7 +18,7 @@ from lappet.models.region import Ellipsoid
 from lappet.procedure import SkinLine
 
 Line = NDArray[np.float64]
-_OFF_SKIN = 8.0  # mm: what of a line is farther from the model's skin is not on it
+_OFF_SKIN = 12.0  # mm: what of a line is farther from the model's skin is not on it
 _STEP = 3.0  # mm between the points of a line
 _SHORTEST = 6.0  # mm
 
