@@ -452,6 +452,8 @@ class ProblemCode(StrEnum):
     MODEL_PARAMETER = auto()
     MODEL_TARGET_UNKNOWN = auto()
     MODEL_TARGET_TEXT = auto()
+    MODEL_NO_BODY = auto()
+    SCENERY_KIND = auto()
 
     # texts/usd.toml
     USD_MISSING = auto()

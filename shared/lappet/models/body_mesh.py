@@ -1,7 +1,7 @@
 """The body in the package: its base mesh and its shape targets, in Lappet's axes and mm.
 
-The package has y up, z to the front and decimeters; here x runs to the patient's left, y to the back and z up (LPS, as
-in DICOM), in mm.
+The package has y up, z to the front and decimeters; here x runs to the patient's right, y to the front and z up, in mm,
+as in `lappet.procedure.position`.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def target(name: str) -> NDArray[np.float64]:
 
 
 def _turned(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.stack([_MM * vectors[:, 0], -_MM * vectors[:, 2], _MM * vectors[:, 1]], axis=1)
+    return np.stack([-_MM * vectors[:, 0], _MM * vectors[:, 2], _MM * vectors[:, 1]], axis=1)
 
 
 @cache

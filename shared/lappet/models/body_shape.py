@@ -94,3 +94,28 @@ def _between(stops: Sequence[tuple[str, float]], value: float) -> list[tuple[str
 
 def _part(share: float, name: str) -> NDArray[np.float64]:
     return np.zeros(3) if share == 0.0 else share * target(name)
+
+
+def target_amount(text: str) -> tuple[str, float]:
+    """Read a shape target with its amount.
+
+    Parameters
+    ----------
+    text
+        Such as `nose/nose-hump-incr=0.5`.
+
+    Returns
+    -------
+    tuple[str, float]
+        Name and amount.
+
+    Raises
+    ------
+    RefusedError
+        If there is no amount.
+    """
+    name, _, amount = text.partition("=")
+    try:
+        return name, float(amount)
+    except ValueError:
+        raise refused(ProblemCode.MODEL_TARGET_TEXT, "target", text) from None

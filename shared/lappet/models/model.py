@@ -28,7 +28,7 @@ class Depth:
 
 
 @dataclass(frozen=True)
-class Excision:
+class Trial:
     """The fusiform excision with which a model is tried.
 
     Parameters
@@ -48,7 +48,7 @@ class Excision:
 
 @dataclass(frozen=True)
 class Model:
-    """A row of the catalogue. Places are those of the neutral body: x to the patient's left, y to the back, z up, mm.
+    """A row of the catalogue. Places are those of the neutral body: x to the patient's right, y to the front, z up, mm.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class Model:
     spacing: float
     subdivision: int
     lines: tuple[str, ...]
-    trial: Excision
+    trial: Trial
     surround: tuple[Point, Point]
     female: bool = False
 

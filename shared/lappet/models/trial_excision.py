@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lappet.designs import fusiform
-from lappet.models.body_surface import BodySurface
-from lappet.models.model import Model
+from lappet.models.model import Trial
 from lappet.procedure import Event, Excision, Incision, Procedure, Suture, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
 
@@ -19,17 +19,17 @@ _APART = 1.3  # spacings between sutures, at least
 _BITE = 0.15  # mm from the edge to a suture
 
 
-def with_excision(procedure: Procedure, model: Model, skin: BodySurface) -> Procedure:
+def with_excision(procedure: Procedure, trial: Trial, at: ArrayLike) -> Procedure:
     """Add the trial's excision to the procedure of a model.
 
     Parameters
     ----------
     procedure
-        The procedure, as `new_model` makes it.
-    model
-        The model.
-    skin
-        The skin that it was made from.
+        The procedure of a model.
+    trial
+        Length and direction of the excision.
+    at
+        Its middle on the skin in mm or near it, shape (3,).
 
     Returns
     -------
@@ -41,9 +41,8 @@ def with_excision(procedure: Procedure, model: Model, skin: BodySurface) -> Proc
     RefusedError
         If the design has no place on the skin.
     """
-    trial = model.trial
     sheet = SkinSheet.of(procedure.tissue)
-    middle, normals = sheet.at(skin.carried([trial.at])[0])
+    middle, normals = sheet.at([at])
     count = max(2, int(trial.length / max(_APART * procedure.tissue.spacing, trial.length / 12.0)) - 1)
     design = fusiform(
         middle[0],

@@ -17,4 +17,7 @@ MATERIALS = f"{ROOT}/Materials"
 SKIN_LINES = f"{ROOT}/SkinLines"
 
 
+SCENERY = f"{ROOT}/Scenery"
+
+
 TIMELINE = f"{ROOT}/Timeline"

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
+from lappet.procedure.scenery import Scenery
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
 from lappet.procedure.tissue import DEFAULT_SKIN, Bone, Material, Tissue
@@ -41,6 +42,8 @@ class Procedure:
     skin_lines
         Lines along which the skin's fibers run; without any, `fiber_direction` and `prestretch` of the materials hold
         everywhere.
+    scenery
+        Meshes that are shown around the tissue and not solved.
 
     Examples
     --------
@@ -60,6 +63,7 @@ class Procedure:
     end_time: float = 1.0
     fps: float = 24.0
     skin_lines: tuple[SkinLine, ...] = ()
+    scenery: tuple[Scenery, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -155,6 +159,7 @@ class Procedure:
             and self.materials == other.materials
             and self.bones == other.bones
             and self.skin_lines == other.skin_lines
+            and self.scenery == other.scenery
             and self.tissue == other.tissue
         )
 

@@ -39,6 +39,8 @@ def storyboard(procedure: Procedure) -> str:
     lines += [f"  material   {_material(material)}" for material in procedure.materials]
     for bone in procedure.bones:
         lines.append(f"  bone       {bone.name}: {len(bone.face_vertex_counts)} faces, {_size(bone.points)}")
+    for each in procedure.scenery:
+        lines.append(f"  scenery    {each.name}: {each.kind}, {len(each.face_vertex_counts)} faces")
     lines += [f"  region     {_region(region)}" for region in tissue.regions]
     if tissue.subsets:
         held = ", ".join(f"{name} ({len(faces)})" for name, faces in tissue.subsets.items())

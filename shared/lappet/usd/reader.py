@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Material, Point, Procedure, Region, Roller, SkinLine, Tissue
+from lappet.procedure import SCENERY_KINDS, Bone, Material, Point, Procedure, Region, Roller, Scenery, SkinLine, Tissue
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
@@ -24,6 +24,7 @@ PRIM_TYPES = {
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
     "LappetSkinLineAPI": "BasisCurves",
+    "LappetSceneryAPI": "Mesh",
     **EVENT_PRIMS,
 }
 
@@ -68,6 +69,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         events=events,
         bones=bones,
         skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
+        scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -78,7 +80,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
-    found["LappetSkinLineAPI"] = []
+    found |= {"LappetSkinLineAPI": [], "LappetSceneryAPI": []}
     found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
@@ -201,6 +203,16 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
 def _bone(reader: Reader, prim: Any) -> Bone:
     points, counts, indices, _ = _mesh(reader, prim)
     return Bone(prim.GetName(), points, counts, indices)
+
+
+def _scenery(reader: Reader, prim: Any) -> Scenery:
+    points, counts, indices, _ = _mesh(reader, prim)
+    kind = reader.text(prim, "lappet:kind", Scenery.kind)
+    if kind not in SCENERY_KINDS:
+        known = ", ".join(SCENERY_KINDS)
+        reader.problem(ProblemCode.SCENERY_KIND, prim.GetPath(), kind, known=known)
+        kind = Scenery.kind
+    return Scenery(prim.GetName(), points, counts, indices, kind)
 
 
 def _skin_line(reader: Reader, prim: Any) -> SkinLine:
