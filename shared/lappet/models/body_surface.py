@@ -135,7 +135,7 @@ def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -
     values, quads = _compact_quads(both, quads[((middle > low) & (middle < high)).all(axis=1)])
     for _ in range(subdivision):
         values, quads = catmull_clark(values, quads)
-    corners = values[quads][:, :, 3:]
+    corners = values[quads][:, :, :3]
     first = np.linalg.norm(corners[:, 0] - corners[:, 2], axis=1) <= np.linalg.norm(
         corners[:, 1] - corners[:, 3], axis=1
     )

@@ -1,6 +1,7 @@
-"""Landmarks by their anatomical names, as places on the neutral body: x to the patient's right, y to the front, z up, mm.
+"""Landmarks by their anatomical names, as places on the neutral body.
 
-Those of the face are Farkas's. A place is laid on the closest skin; paired ones are mirrored and named by their side.
+x runs to the patient's right, y to the front, z up, in mm. Those of the face are Farkas's. A place is laid on the
+closest skin; paired ones are mirrored and named by their side.
 """
 
 from __future__ import annotations

@@ -21,8 +21,8 @@ def model_sheet(skin: BodySurface, around: BodySurface, thickness: float, spacin
     """Make the tissue below the skin of a model.
 
     The subset "fixed" is the rim at the longest border; "rim" is all of it, that of eyes, mouth and nostrils as well,
-    which is free. "underside" is all of the underside, "bed" what of it lies on a bed: not what lies on free inner skin,
-    such as the back of an ear.
+    which is free. "underside" is all of the underside, "bed" what of it lies on a bed: not what lies on free inner
+    skin, such as the back of an ear.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """The openings of the face: where skin ends at the lids, the lips and the nostrils.
 
-The body of the package goes on into eye sockets, mouth and nose. An opening is an edge loop of its mesh: at each vertex
-of four faces the loop goes straight on. What lies on its inner side is taken out. Vertices are named by their numbers in
-the base mesh, on the left and in the middle.
+The body of the package goes on into eye sockets, mouth and nose. An opening is an edge loop of its mesh: at each
+vertex of four faces the loop goes straight on. What lies on its inner side is taken out. Vertices are named by their
+numbers in the base mesh, on the left and in the middle.
 """
 
 from __future__ import annotations
@@ -67,9 +67,7 @@ def without_openings(mesh: BodyMesh, quads: NDArray[np.int64]) -> NDArray[np.int
     inside = np.zeros(len(quads), bool)
     for opening in OPENINGS:
         named = np.array([*opening.edge, opening.within])
-        for start, onwards, within in (
-            [named, _mirrored(mesh, quads, named)] if opening.paired else [named]
-        ):
+        for start, onwards, within in [named, _mirrored(mesh, quads, named)] if opening.paired else [named]:
             loop = edge_loop(quads, faces_at, int(start), int(onwards))
             inside[_faces_within(quads, faces_at, loop, int(within))] = True
     return quads[~inside]
@@ -105,7 +103,9 @@ def edge_loop(quads: NDArray[np.int64], faces_at: dict[int, list[int]], start: i
         around = quads[faces_at[here]]
         if len(around) != 4:
             raise ValueError(f"the edge loop from {start} ends at {here}, which has {len(around)} faces")
-        neighbors = {int(quad[(k + turn) % 4]) for quad in around for k in np.flatnonzero(quad == here) for turn in (1, 3)}
+        neighbors = {
+            int(quad[(k + turn) % 4]) for quad in around for k in np.flatnonzero(quad == here) for turn in (1, 3)
+        }
         beside = {int(vertex) for quad in around if before in quad for vertex in quad}
         ahead = (neighbors - beside).pop()
         if ahead == start:
@@ -113,9 +113,7 @@ def edge_loop(quads: NDArray[np.int64], faces_at: dict[int, list[int]], start: i
         loop.append(ahead)
 
 
-def _faces_within(
-    quads: NDArray[np.int64], faces_at: dict[int, list[int]], loop: list[int], within: int
-) -> list[int]:
+def _faces_within(quads: NDArray[np.int64], faces_at: dict[int, list[int]], loop: list[int], within: int) -> list[int]:
     """The faces that are reached from a vertex without crossing the loop."""
     walls = {frozenset(pair) for pair in zip(loop, [*loop[1:], loop[0]], strict=True)}
     found = set(faces_at[within])

@@ -63,7 +63,13 @@ _MODELS = (
         "patch", "a flat patch of 100 by 80 mm", 1.5, 1.0, _patch, 0.0, Trial((0.0, 0.0, 4.0), (1.0, 0.0, 0.0), 36.0)
     ),
     PlainModel(
-        "dome", "a dome over bone, of 80 mm radius", 1.5, 1.0, _dome, 80.0, Trial((0.0, 0.0, 80.0), (1.0, 0.0, 0.0), 36.0)
+        "dome",
+        "a dome over bone, of 80 mm radius",
+        1.5,
+        1.0,
+        _dome,
+        80.0,
+        Trial((0.0, 0.0, 80.0), (1.0, 0.0, 0.0), 36.0),
     ),
 )
 PLAIN_MODELS = {model.name: model for model in _MODELS}
@@ -95,5 +101,7 @@ def plain_model(model: PlainModel, choice: ModelChoice) -> Procedure:
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
     thickness = skin + _FAT
     bones = (dome_bone(model.radius - thickness - _BELOW, 55.0),) if model.radius else ()
-    procedure = skin_over_fat(Procedure(model.tissue(thickness, spacing), bones=bones), skin, SKIN.material, FAT.material)
+    procedure = skin_over_fat(
+        Procedure(model.tissue(thickness, spacing), bones=bones), skin, SKIN.material, FAT.material
+    )
     return with_excision(procedure, model.trial, model.trial.at) if choice.excision else procedure

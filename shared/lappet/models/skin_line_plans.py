@@ -18,7 +18,7 @@ from lappet.models.region import Ellipsoid
 from lappet.procedure import SkinLine
 
 Line = NDArray[np.float64]
-_OFF_SKIN = 25.0  # mm: what of a line is farther from the model's skin is not on it
+_OFF_SKIN = 45.0  # mm: what of a line is farther from the model's skin is not on it
 _STEP = 3.0  # mm between the points of a line
 _SHORTEST = 6.0  # mm
 
@@ -76,6 +76,15 @@ def _eyes() -> list[Plan]:
     return [Plan(tuple(rings[:1]), True, slack=True), Plan((*rings[1:], *feet), True)]
 
 
+def _temple() -> list[Plan]:
+    lines = (
+        ((-63.0, 112.0, 758.0), (-72.0, 92.0, 766.0), (-78.0, 62.0, 774.0)),
+        ((-72.0, 90.0, 751.0), (-77.0, 68.0, 756.0), (-79.0, 46.0, 760.0)),
+        ((-74.0, 86.0, 735.0), (-77.0, 64.0, 737.0), (-78.0, 48.0, 740.0)),
+    )
+    return [Plan(tuple(_through(*line) for line in lines), True)]
+
+
 def _nose() -> list[Plan]:
     x = np.linspace(13.0, -13.0, 13)
     lines = [_arc(x, y, z, 500.0, -60.0) for y, z in ((145.0, 728.0), (148.0, 720.0), (151.0, 713.0), (157.0, 706.0))]
@@ -84,10 +93,34 @@ def _nose() -> list[Plan]:
 
 def _cheeks() -> list[Plan]:
     folds = (
-        ((-19.0, 138.0, 704.0), (-29.0, 137.0, 688.0), (-36.0, 131.0, 672.0), (-37.0, 129.0, 656.0), (-32.0, 128.0, 642.0)),
-        ((-27.0, 134.0, 718.0), (-40.0, 129.0, 700.0), (-48.0, 122.0, 680.0), (-49.0, 118.0, 660.0), (-43.0, 117.0, 642.0)),
-        ((-42.0, 126.0, 719.0), (-54.0, 117.0, 700.0), (-60.0, 108.0, 680.0), (-59.0, 102.0, 660.0), (-52.0, 102.0, 642.0)),
-        ((-56.0, 114.0, 716.0), (-65.0, 102.0, 698.0), (-68.0, 92.0, 678.0), (-65.0, 86.0, 660.0), (-58.0, 85.0, 644.0)),
+        (
+            (-19.0, 138.0, 704.0),
+            (-29.0, 137.0, 688.0),
+            (-36.0, 131.0, 672.0),
+            (-37.0, 129.0, 656.0),
+            (-32.0, 128.0, 642.0),
+        ),
+        (
+            (-27.0, 134.0, 718.0),
+            (-40.0, 129.0, 700.0),
+            (-48.0, 122.0, 680.0),
+            (-49.0, 118.0, 660.0),
+            (-43.0, 117.0, 642.0),
+        ),
+        (
+            (-42.0, 126.0, 719.0),
+            (-54.0, 117.0, 700.0),
+            (-60.0, 108.0, 680.0),
+            (-59.0, 102.0, 660.0),
+            (-52.0, 102.0, 642.0),
+        ),
+        (
+            (-56.0, 114.0, 716.0),
+            (-65.0, 102.0, 698.0),
+            (-68.0, 92.0, 678.0),
+            (-65.0, 86.0, 660.0),
+            (-58.0, 85.0, 644.0),
+        ),
         ((-69.0, 95.0, 714.0), (-73.0, 84.0, 696.0), (-72.0, 74.0, 676.0), (-67.0, 68.0, 658.0)),
         ((-75.0, 70.0, 720.0), (-75.0, 62.0, 700.0), (-72.0, 58.0, 680.0), (-66.0, 54.0, 660.0)),
     )
@@ -110,17 +143,43 @@ def _lips() -> list[Plan]:
 
 def _chin() -> list[Plan]:
     x = np.linspace(24.0, -24.0, 13)
-    return [Plan((*(_arc(x, y, z, 180.0, rise) for y, z, rise in ((142.0, 650.0, -60.0), (142.5, 642.0, 60.0), (138.0, 633.0, 120.0))),), False)]
+    return [
+        Plan(
+            (
+                *(
+                    _arc(x, y, z, 180.0, rise)
+                    for y, z, rise in ((142.0, 650.0, -60.0), (142.5, 642.0, 60.0), (138.0, 633.0, 120.0))
+                ),
+            ),
+            False,
+        )
+    ]
 
 
 def _neck() -> list[Plan]:
     x = np.linspace(60.0, -60.0, 25)
-    return [Plan(tuple(_arc(x, y, z, 170.0, 30.0) for y, z in ((98.0, 620.0), (80.0, 608.0), (74.0, 596.0), (70.0, 584.0), (68.0, 572.0), (68.0, 560.0))), False)]
+    return [
+        Plan(
+            tuple(
+                _arc(x, y, z, 170.0, 30.0)
+                for y, z in ((98.0, 620.0), (80.0, 608.0), (74.0, 596.0), (70.0, 584.0), (68.0, 572.0), (68.0, 560.0))
+            ),
+            False,
+        )
+    ]
 
 
 def _scalp() -> list[Plan]:
     turn = np.linspace(1.2, -1.2, 25)
-    return [Plan(tuple(np.stack([74.0 * np.sin(turn), np.full_like(turn, y), 770.0 + 72.0 * np.cos(turn)], axis=1) for y in np.arange(-24.0, 113.0, 14.0)), False)]
+    return [
+        Plan(
+            tuple(
+                np.stack([74.0 * np.sin(turn), np.full_like(turn, y), 770.0 + 72.0 * np.cos(turn)], axis=1)
+                for y in np.arange(-24.0, 113.0, 14.0)
+            ),
+            False,
+        )
+    ]
 
 
 def _hand() -> list[Plan]:
@@ -132,7 +191,10 @@ def _hand() -> list[Plan]:
 
 def _breast() -> list[Plan]:
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
-    rings = [np.stack([-99.0 + r * np.cos(turn), np.full_like(turn, 150.0 - 0.5 * r), 391.0 + r * np.sin(turn)], axis=1) for r in np.arange(14.0, 76.0, 12.0)]
+    rings = [
+        np.stack([-99.0 + r * np.cos(turn), np.full_like(turn, 150.0 - 0.5 * r), 391.0 + r * np.sin(turn)], axis=1)
+        for r in np.arange(14.0, 76.0, 12.0)
+    ]
     return [Plan(tuple(rings), False)]
 
 
@@ -142,13 +204,16 @@ def _abdomen() -> list[Plan]:
 
 
 def _thigh() -> list[Plan]:
-    x = np.linspace(50.0, -50.0, 21)
-    return [Plan(tuple(_arc(x, 95.0, z, 160.0) + (-124.0, 0.0, 0.0) for z in np.arange(-210.0, -49.0, 15.0)), False)]
+    x, middle = np.linspace(-50.0, 50.0, 21), np.array([-124.0, 95.0, 0.0])
+    return [Plan(tuple(middle + _arc(x, 0.0, z, 160.0) for z in np.arange(-210.0, -49.0, 15.0)), False)]
 
 
 def _ear() -> list[Plan]:
     turn = np.linspace(-0.35 * np.pi, 1.25 * np.pi, 41)
-    rings = [np.stack([np.full_like(turn, -70.0), 28.0 - r * np.sin(turn), 712.0 + 1.2 * r * np.cos(turn)], axis=1) for r in (25.0, 32.0)]
+    rings = [
+        np.stack([np.full_like(turn, -70.0), 28.0 - r * np.sin(turn), 712.0 + 1.2 * r * np.cos(turn)], axis=1)
+        for r in (25.0, 32.0)
+    ]
     return [Plan(tuple(rings), True)]
 
 
@@ -156,6 +221,7 @@ FAMILIES: dict[str, Callable[[], list[Plan]]] = {
     "forehead": _forehead,
     "glabella": _glabella,
     "eyes": _eyes,
+    "temple": _temple,
     "nose": _nose,
     "cheeks": _cheeks,
     "lips": _lips,

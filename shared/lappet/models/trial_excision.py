@@ -42,7 +42,7 @@ def with_excision(procedure: Procedure, trial: Trial, at: ArrayLike) -> Procedur
         If the design has no place on the skin.
     """
     sheet = SkinSheet.of(procedure.tissue)
-    middle, normals = sheet.at([at])
+    middle, normals = sheet.at(np.asarray(at, np.float64)[None])
     count = max(2, int(trial.length / max(_APART * procedure.tissue.spacing, trial.length / 12.0)) - 1)
     design = fusiform(
         middle[0],
