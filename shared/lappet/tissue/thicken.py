@@ -27,9 +27,11 @@ _ATTEMPTS = (1, 4, 16, 64, 256)  # rounds of smoothing of the normals
 _WHOLE = (4, 16, 64, 256)  # of these, those with which the thickness is tried as it is wanted
 _LIMITED = (1, 4, 16)  # those with which it is lowered, the last one first
 _HALF = 0.45  # of the distance to the same piece of skin: each side takes so much, and a gap is left
-_SLOPE = 0.5  # mm of thickness per mm along the skin, where it is limited
+_SLOPE = 1.0  # mm of thickness per mm along the skin, where it is limited
 _LOWER = 0.8  # where the underside folds, the thickness is lowered to this share of it, again and again
 _STEPS = 80
+_ROUNDED = 3  # rounds of smoothing of the thickness, where it is limited
+_LINED = 0.9  # of the distance to the inner side: an underside that comes so near to it lies on it
 _LEAST_AREA = 0.02  # of a skin's triangle: an underside's that is smaller, seen from it, counts as folded
 _THINNEST = 0.02  # of the wanted thickness: a place that leaves less room is refused
 
@@ -183,6 +185,8 @@ def _room(
 def _smoothed(points: NDArray[np.float64], edges: NDArray[np.int64], depth: NDArray[np.float64]) -> NDArray[np.float64]:
     """A thickness that is nowhere larger and changes slowly along the skin."""
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    for _ in range(_ROUNDED):
+        depth = np.minimum(depth, 0.5 * (depth + means_around(depth, edges)))
     return limit_slope(depth, edges, lengths, _SLOPE)
 
 
@@ -268,7 +272,7 @@ def _sheet(
     kind = np.repeat(np.arange(len(faces)), [len(f) for f in faces])
     lining = np.zeros(len(kind), bool)
     if inner is not None:
-        on_free = inner.free & (depth >= inner.distance)
+        on_free = inner.free & (depth >= _LINED * inner.distance)
         lining[kind == 1] = on_free[triangles].all(axis=1)
     return Sheet(
         points=np.concatenate(vertices),
