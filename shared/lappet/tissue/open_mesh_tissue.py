@@ -28,7 +28,7 @@ Thickness = float | Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """In mm: one number, or a function from points of the skin in mm, shape (n, 3), to the thickness below each, (n,)."""
 
 _SMALL_HOLE = 0.15  # of the rim: holes shorter than this are filled
-_NARROW = 0.95  # of the wanted thickness: a sheet that is thinner somewhere is said to be
+_NARROW = 0.75  # of the wanted thickness: places that are thinner are told
 
 
 def open_mesh_tissue(
@@ -121,15 +121,13 @@ def _small_holes_filled(mesh: Mesh, name: str) -> tuple[Mesh, list[Note]]:
 
 def _thickness_notes(mesh: Mesh, sheet: Sheet, wanted: NDArray[np.float64]) -> list[Note]:
     low, high = float(sheet.depth.min()), float(sheet.depth.max())
-    if not (sheet.depth < _NARROW * wanted).any():
-        return [taken("thickness", f"{high:g} mm" if high - low < 1e-9 else f"{low:.3g} to {high:.3g} mm")]
-    thinner = float(
-        areas(mesh.points[mesh.triangles])[(sheet.depth < _NARROW * wanted)[mesh.triangles].any(axis=1)].sum()
-    )
-    where = place(mesh.points[int((sheet.depth / wanted).argmin())].round(2))
-    notes = [
-        taken("thickness", f"{high:.3g} mm, less on {thinner:.3g} mm² that leave no room, {low:.2g} mm at {where}")
-    ]
+    value = f"{high:.4g} mm" if high - low < 0.005 * high else f"{low:.2g} to {high:.4g} mm"
+    thin = sheet.depth < _NARROW * wanted
+    if thin.any():
+        less = float(areas(mesh.points[mesh.triangles])[thin[mesh.triangles].any(axis=1)].sum())
+        where = place(mesh.points[int((sheet.depth / wanted).argmin())].round(2))
+        value += f", less than {_NARROW:.0%} of what was wanted on {less:.3g} mm², the least at {where}"
+    notes = [taken("thickness", value)]
     if sheet.lining.any():
         lined = float(areas(sheet.points[sheet.triangles[sheet.lining]]).sum())
         notes.append(taken("lining", f"{lined:.3g} mm² of the underside are the surface's own inner side, and free"))

@@ -23,14 +23,14 @@ from lappet.geometry.triangles import area_normals, directions
 from lappet.geometry.vertex_neighbors import limit_slope, means_around
 from lappet.tissue.inner_side import InnerSide, Surroundings, inner_side, opposite_skin
 
-_ATTEMPTS = (1, 4, 16, 64, 256)  # rounds of smoothing of the normals
+_ATTEMPTS = (0, 1, 4, 16, 64, 256)  # rounds of smoothing of the normals
 _WHOLE = (4, 16, 64, 256)  # of these, those with which the thickness is tried as it is wanted
-_LIMITED = (1, 4, 16)  # those with which it is lowered, the last one first
+_LIMITED = (0, 1, 4, 16)  # those with which it is lowered, the last one first
 _HALF = 0.45  # of the distance to the same piece of skin: each side takes so much, and a gap is left
 _SLOPE = 1.0  # mm of thickness per mm along the skin, where it is limited
 _LOWER = 0.8  # where the underside folds, the thickness is lowered to this share of it, again and again
 _STEPS = 80
-_ROUNDED = 3  # rounds of smoothing of the thickness, where it is limited
+_ROUNDED = 1  # rounds of smoothing of the thickness, where it is limited
 _LINED = 0.9  # of the distance to the inner side: an underside that comes so near to it lies on it
 _LEAST_AREA = 0.02  # of a skin's triangle: an underside's that is smaller, seen from it, counts as folded
 _THINNEST = 0.02  # of the wanted thickness: a place that leaves less room is refused
@@ -201,6 +201,7 @@ def _lowered(
 ) -> Sheet:
     """The sheet whose thickness is lowered wherever its underside folds or meets anything."""
     normals, depth, inner = start
+    room = depth.copy()
     where = int(depth.argmin())
     for _ in range(_STEPS):
         sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, depth, inner)
@@ -209,12 +210,11 @@ def _lowered(
             bad = _crossing(sheet, name)
             if len(bad) == 0:
                 return sheet
-        depth = depth.copy()
-        depth[bad] *= _LOWER
-        where = int(bad[(depth[bad] / wanted[bad]).argmin()])
-        if depth[where] < _THINNEST * wanted[where]:
+        room[bad] = _LOWER * depth[bad]
+        where = int(bad[(room[bad] / wanted[bad]).argmin()])
+        if room[where] < _THINNEST * wanted[where]:
             break
-        depth = _smoothed(points, edges, depth)
+        depth = _smoothed(points, edges, room)
     value = f"{float(wanted[where]):g}"
     raise refused(ProblemCode.SHEET_FOLDS, name, value, place=Place.at(points[where]), where=place(points[where]))
 
