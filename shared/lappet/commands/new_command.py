@@ -41,7 +41,7 @@ def new(
 ) -> None:
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
-        from lappet.core.printable import printable
+        from lappet.commands.report_table import print_report
         from lappet.core.problem import refused
         from lappet.core.problem_code import ProblemCode
         from lappet.procedure import Procedure
@@ -58,6 +58,5 @@ def new(
             **options,
         )
         write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
-        for line in report.lines:
-            click.echo(printable(line))
+        print_report(report)
         click.echo(f"Written: {output}")

@@ -16,6 +16,7 @@ from lappet.geometry.geodesic_distance import geodesic_distance
 from lappet.geometry.surface_check import place
 from lappet.tissue.crop_mesh import box_levels, crop, crop_by_values, near, refine_smoothly, sphere_level
 from lappet.tissue.mesh_file import Mesh
+from lappet.tissue.mesh_repair import separate
 from lappet.tissue.mesh_report import Note, taken
 from lappet.tissue.outer_part import outer_part
 
@@ -107,7 +108,7 @@ def surgical_field(mesh: Mesh, region: Region, edge: float, name: str) -> tuple[
     if len(candidates.triangles) == 0:
         raise _empty(mesh, name)
     refined, notes = _refined(candidates, edge)
-    inside = crop(refined, levels)
+    inside, _ = separate(crop(refined, levels))
     if len(inside.triangles) == 0:
         raise _empty(mesh, name)
     middle = region.center if isinstance(region, Sphere) else np.mean([region.low, region.high], axis=0)
@@ -127,7 +128,7 @@ def _disc(mesh: Mesh, disc: Disc, edge: float, name: str) -> tuple[Mesh, list[No
     candidates = _around(near(mesh, sphere_level(middle, _BEYOND * disc.radius)), middle)
     refined, notes = _refined(candidates, edge)
     distance = geodesic_distance(refined.points, refined.triangles, middle, _BEYOND * disc.radius)
-    inside = crop_by_values(refined, np.minimum(distance, _BEYOND * disc.radius) - disc.radius)
+    inside, _ = separate(crop_by_values(refined, np.minimum(distance, _BEYOND * disc.radius) - disc.radius))
     if len(inside.triangles) == 0:
         raise _empty(mesh, name)
     where = f"within {disc.radius:g} mm of {place(middle.round(3))} along the skin"
