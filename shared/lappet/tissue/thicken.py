@@ -140,23 +140,23 @@ def thicken(
     wanted = np.broadcast_to(np.asarray(thickness, np.float64), len(points))
     edges = unique_edges(directed_edges(triangles))[0]
     normals = _corner_means(points, triangles)
-    started: list[tuple[NDArray[np.float64], NDArray[np.float64], InnerSide | None]] = []
+    started: list[NDArray[np.float64]] = []
     done = 0
     for rounds in _ATTEMPTS:
         for _ in range(rounds - done):
             normals = directions(normals + means_around(normals, edges))
         done = rounds
-        depth, inner = _room(points, triangles, edges, -normals, wanted, around)
         if rounds in _LIMITED:
-            started.append((normals, depth, inner))
+            started.append(normals)
         if rounds in _WHOLE:
+            depth, inner = _room(points, triangles, edges, -normals, wanted, around)
             sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, depth, inner)
             if not len(_turned(sheet)) and next(intersections(sheet.points, sheet.triangles), None) is None:
                 return sheet
     for start in reversed(started[1:]):
         with contextlib.suppress(RefusedError):
-            return _lowered(points, triangles, edges, start, wanted, rows, name)
-    return _lowered(points, triangles, edges, started[0], wanted, rows, name)
+            return _lowered(points, triangles, edges, start, wanted, rows, name, around)
+    return _lowered(points, triangles, edges, started[0], wanted, rows, name, around)
 
 
 def _corner_means(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -194,13 +194,14 @@ def _lowered(
     points: NDArray[np.float64],
     triangles: NDArray[np.int64],
     edges: NDArray[np.int64],
-    start: tuple[NDArray[np.float64], NDArray[np.float64], InnerSide | None],
+    normals: NDArray[np.float64],
     wanted: NDArray[np.float64],
     rows: int,
     name: str,
+    around: Surroundings | None,
 ) -> Sheet:
     """The sheet whose thickness is lowered wherever its underside folds or meets anything."""
-    normals, depth, inner = start
+    depth, inner = _room(points, triangles, edges, -normals, wanted, around)
     room = depth.copy()
     where = int(depth.argmin())
     for _ in range(_STEPS):

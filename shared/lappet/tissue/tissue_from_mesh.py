@@ -153,7 +153,6 @@ def tissue_of_mesh(
         else:
             tissue, notes = open_mesh_tissue(mesh, thickness, spacing, name)
         return tissue, report.with_notes(notes)
-    around = Surroundings(mesh.points, mesh.triangles)
     if thickness is None:
         if not isinstance(region, Disc):
             if not closed:
@@ -163,6 +162,7 @@ def tissue_of_mesh(
         raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
     edge = resolution or (2.0 if callable(thickness) else thickness)
     field, notes = surgical_field(mesh, region, edge, name)
+    around = Surroundings.of(mesh.points, mesh.triangles, field.points)
     tissue, more = open_mesh_tissue(field, thickness, spacing, name, around)
     return tissue, report.with_notes([*notes, *more])
 
