@@ -66,11 +66,11 @@ def open_mesh_tissue(
     mesh, notes = _largest_part(mesh)
     refuse_faults(name, mesh.points, mesh.triangles, EDGES)
     mesh, more = _small_holes_filled(mesh, name)
-    uv = flatten(mesh.points, mesh.triangles)
     wanted = thickness(mesh.points) if callable(thickness) else np.full(len(mesh.points), float(thickness))
     thick = float(np.median(wanted))
     sheet = thicken(mesh.points, mesh.triangles, wanted, rim_rows(mesh.points, mesh.triangles, thick), name, around)
     refuse_faults(name, sheet.points, sheet.triangles)
+    uv = flatten(mesh.points, mesh.triangles)
     volume = signed_volume(sheet.points, sheet.triangles)
     if spacing is None:
         spacing = chosen_spacing(volume, thick)
