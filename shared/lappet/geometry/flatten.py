@@ -14,6 +14,7 @@ from lappet.geometry.triangles import areas
 
 _ROUNDS = 400
 _LEAST_AREA = 0.02  # of a triangle's: one that is smaller in the plane counts as turned over
+_KEPT = 0.4  # of the patch's reach: lengths matter within, and less and less beyond
 _MIDDLE = 0.1  # of the points, those nearest to the middle: there a second layout is placed as the first
 
 
@@ -22,7 +23,8 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
 
     The patch is laid out by the azimuthal equidistant projection of the sphere that fits it best, seen from its middle;
     then springs along the edges relax towards their true lengths. Where that turns triangles over, as at a nose, the
-    patch is laid out without (`lappet.geometry.injective_layout`), if it has a border and no handle. x runs along the
+    patch is laid out without (`lappet.geometry.injective_layout`), if it has a border and no handle; lengths are kept
+    best near its middle. x runs along the
     widest direction of the coordinate axes, y to its left seen from outside.
 
     Parameters
@@ -84,7 +86,8 @@ def _without_turned(
     round_ = len(points) - len(edges) + len(triangles) == 2 - len(border_loops(triangles))
     if parts > 1 or uses.max() > 2 or not (uses == 1).any() or not round_:
         return uv
-    layout = injective_layout(points, triangles)
+    far = away[triangles].mean(axis=1) / max(float(away.max()), 1e-300)
+    layout = injective_layout(points, triangles, 1.0 / (1.0 + (far / _KEPT) ** 4))
     if not (signed_areas(layout, triangles) > 0.0).all():
         return uv
     near = away <= np.quantile(away, _MIDDLE)

@@ -53,7 +53,9 @@ def signed_areas(layout: Layout, triangles: NDArray[np.int64]) -> NDArray[np.flo
     return np.asarray(0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]))
 
 
-def injective_layout(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Layout:
+def injective_layout(
+    points: NDArray[np.float64], triangles: NDArray[np.int64], weights: NDArray[np.float64] | None = None
+) -> Layout:
     """Lay a patch out in the plane without turning a triangle over, and with little distortion.
 
     Parameters
@@ -62,6 +64,8 @@ def injective_layout(points: NDArray[np.float64], triangles: NDArray[np.int64]) 
         Vertices, shape (n, 3).
     triangles
         Vertex indices of one connected manifold surface with a border and no handle, shape (m, 3).
+    weights
+        How much the lengths of each triangle matter, shape (m,); all alike when None.
 
     Returns
     -------
@@ -73,7 +77,7 @@ def injective_layout(points: NDArray[np.float64], triangles: NDArray[np.int64]) 
     corners = points[triangles]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     layout = layout * np.sqrt(float(area.sum()) / max(size, 1e-300))
-    energy = _Energy.of(points, triangles)
+    energy = _Energy.of(points, triangles, np.ones(len(triangles)) if weights is None else weights)
     value, gradient = energy.at(layout)
     if not np.isfinite(value):  # a handle, or an edge across that Tutte's embedding makes flat
         return layout
@@ -145,7 +149,7 @@ class _Energy:
     laplacian: _Laplacian
 
     @staticmethod
-    def of(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> _Energy:
+    def of(points: NDArray[np.float64], triangles: NDArray[np.int64], importance: NDArray[np.float64]) -> _Energy:
         corners = points[triangles]
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         length = np.maximum(np.linalg.norm(u, axis=1), 1e-300)
@@ -155,7 +159,7 @@ class _Energy:
         flat = np.stack([np.stack([length, zero], 1), np.stack([x, y], 1)], axis=1)  # edges as rows, (m, 2, 2)
         inverse = np.linalg.inv(flat)  # columns of the gradient by the two edges
         across = np.concatenate([-inverse.sum(axis=2)[:, None], inverse.swapaxes(1, 2)], axis=1)
-        area = 0.5 * length * y
+        area = 0.5 * length * y * importance
         weights = -np.stack([np.einsum("ij,ij->i", across[:, k], across[:, (k + 1) % 3]) for k in range(3)])
         return _Energy(triangles, area, across, _Laplacian.of(triangles, weights * area, points))
 

@@ -90,7 +90,7 @@ def open_mesh_tissue(
         taken("tissue", f"sheet of {len(sheet.triangles)} triangles, {volume:.4g} mm³"),
         *_thickness_notes(mesh, sheet, wanted),
         taken("lattice spacing", f"{spacing:g} mm"),
-        taken("texture", f"lengths of the skin within {100 * _stretches(mesh, uv):.2g} % for 95 of 100 edges"),
+        taken("texture", _lengths_kept(mesh, uv)),
     ]
     return tissue, notes
 
@@ -146,9 +146,10 @@ def _sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> NDArray[np.f
     return np.where(sheet.rim[:, None, None], rim[sheet.triangles], flat[sheet.triangles])
 
 
-def _stretches(mesh: Mesh, uv: NDArray[np.float64]) -> float:
-    """The relative change of edge length by flattening that 95 of 100 edges stay below."""
+def _lengths_kept(mesh: Mesh, uv: NDArray[np.float64]) -> str:
+    """How much edges are longer or shorter in the flat layout."""
     following = np.roll(mesh.triangles, -1, axis=1)
     true = np.linalg.norm(mesh.points[mesh.triangles] - mesh.points[following], axis=2)
     flat = np.linalg.norm(uv[mesh.triangles] - uv[following], axis=2)
-    return float(np.quantile(np.abs(flat / np.maximum(true, 1e-300) - 1.0), 0.95))
+    half, most = np.quantile(np.abs(flat / np.maximum(true, 1e-300) - 1.0), (0.5, 0.95))
+    return f"a grid whose lengths are the skin's within {100 * half:.2g} % for half of it, {100 * most:.2g} % for 95 %"
