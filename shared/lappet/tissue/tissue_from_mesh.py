@@ -20,7 +20,7 @@ from lappet.tissue.mesh_file import Mesh, read_mesh
 from lappet.tissue.mesh_repair import orient, separate, weld
 from lappet.tissue.mesh_report import MeshReport, Note, found
 from lappet.tissue.open_mesh_tissue import Thickness, open_mesh_tissue
-from lappet.tissue.surgical_field import Box, Disc, Region, Sphere, surgical_field
+from lappet.tissue.surgical_field import Box, Disc, Outline, Region, Sphere, surgical_field
 
 _MOST_LENGTHS = 5  # of borders, that the report names
 
@@ -35,6 +35,7 @@ def new_tissue(
     resolution: float | None = None,
     limits: ReadLimits = DEFAULT_LIMITS,
     at: tuple[Sequence[float], float] | None = None,
+    outline: Outline | None = None,
 ) -> tuple[Tissue, MeshReport]:
     """Make tissue from a mesh file.
 
@@ -62,6 +63,8 @@ def new_tissue(
         What reading the file may take.
     at
         A point of the skin and a radius along the skin, both in mm: a region to take.
+    outline
+        A closed curve on the skin: a region to take.
 
     Returns
     -------
@@ -78,6 +81,7 @@ def new_tissue(
     regions += [] if sphere is None else [Sphere(*sphere)]
     regions += [] if box is None else [Box(*box)]
     regions += [] if at is None else [Disc(*at)]
+    regions += [] if outline is None else [outline]
     if len(regions) > 1:
         raise refused(ProblemCode.REGION_TWICE, path.name)
     region = regions[0] if regions else None
@@ -154,9 +158,7 @@ def tissue_of_mesh(
             tissue, notes = open_mesh_tissue(mesh, thickness, spacing, name)
         return tissue, report.with_notes(notes)
     if thickness is None:
-        if not isinstance(region, Disc):
-            if not closed:
-                raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
+        if isinstance(region, (Sphere, Box)) and closed:
             tissue, notes = closed_mesh_tissue(mesh, spacing, name, region)
             return tissue, report.with_notes(notes)
         raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
@@ -170,7 +172,7 @@ def tissue_of_mesh(
 def _refuse_lengths(
     name: str, thickness: float | None, spacing: float | None, resolution: float | None, region: Region | None
 ) -> None:
-    radius = None if region is None or isinstance(region, Box) else region.radius
+    radius = region.radius if isinstance(region, (Sphere, Disc)) else None
     lengths = {"thickness": thickness, "spacing": spacing, "resolution": resolution, "radius": radius}
     for what, value in lengths.items():
         if value is not None and not (np.isfinite(value) and value > 0.0):
