@@ -216,7 +216,7 @@ def test_what_cannot_be_mended_is_refused_with_the_place(tmp_path, ball):
         (lambda: new_tissue(ball, thickness=-1.0), ProblemCode.LENGTH_NOT_POSITIVE, False),
         (lambda: new_tissue(ball, spacing=0.0), ProblemCode.LENGTH_NOT_POSITIVE, False),
         (lambda: new_tissue(ball, thickness=4.0), ProblemCode.SHEET_OF_CLOSED_SURFACE, False),
-        (lambda: new_tissue(ball, sphere=((0, 0, 90), 40.0)), ProblemCode.REGION_NEEDS_THICKNESS, False),
+        (lambda: new_tissue(half, sphere=((0, 0, 50), 20.0), units="mm"), ProblemCode.REGION_NEEDS_THICKNESS, False),
         (lambda: new_tissue(ball, 4.0, sphere=((0, 0, 300), 40.0)), ProblemCode.REGION_EMPTY, False),
         (lambda: new_tissue(ball, 4.0, sphere=((0, 0, 0), 400.0)), ProblemCode.REGION_WHOLE_SURFACE, False),
         (lambda: new_tissue(half, units="mm"), ProblemCode.MESH_LARGE_HOLE, True),

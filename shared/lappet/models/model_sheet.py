@@ -51,7 +51,7 @@ def model_sheet(skin: BodySurface, around: BodySurface, thickness: float, spacin
     refuse_faults(name, points, triangles, EDGES)
     uv = flatten(points, triangles)
     rows = rim_rows(points, triangles, thickness)
-    sheet = thicken(points, triangles, thickness, rows, name, Surroundings(around.points, around.triangles))
+    sheet = thicken(points, triangles, thickness, rows, name, Surroundings.of(around.points, around.triangles, points))
     refuse_faults(name, sheet.points, sheet.triangles)
     held = _outer_rim(sheet, points, triangles)
     faces = {

@@ -11,12 +11,13 @@ if TYPE_CHECKING:
     from lappet.tissue.patch import flat_patch
     from lappet.tissue.placement import Place, onto
     from lappet.tissue.skin_sheet import SkinSheet
-    from lappet.tissue.surgical_field import Box, Disc, Sphere
+    from lappet.tissue.surgical_field import Box, Disc, Outline, Sphere
     from lappet.tissue.tissue_from_mesh import new_tissue, tissue_of_mesh
 
 __all__ = [
     "Box",
     "Disc",
+    "Outline",
     "Place",
     "SkinSheet",
     "Sphere",
@@ -36,7 +37,7 @@ __getattr__, __dir__ = lazy_exports(
         "patch": ("flat_patch",),
         "placement": ("Place", "onto"),
         "skin_sheet": ("SkinSheet",),
-        "surgical_field": ("Box", "Disc", "Sphere"),
+        "surgical_field": ("Box", "Disc", "Outline", "Sphere"),
         "tissue_from_mesh": ("new_tissue", "tissue_of_mesh"),
     },
 )

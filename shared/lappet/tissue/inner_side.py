@@ -17,6 +17,7 @@ from lappet.geometry.segment_hits import first_hits
 from lappet.geometry.triangles import area_normals, directions
 
 _LEAVING = 0.2  # cosine: a ray ends where it leaves the surface at least as steeply as this
+_ASKED = 50  # points of the skin of which it is asked to which part they belong
 _ROUNDS = 8  # triangles that a ray may pass before it ends
 _ONWARDS = 1e-3  # of the reach: so far behind what it has passed a ray goes on
 
@@ -31,10 +32,35 @@ class Surroundings:
         Vertices in mm, shape (n, 3).
     triangles
         Vertex indices, oriented outwards, shape (m, 3).
+    connected
+        Which triangles are connected with the skin, shape (m,).
     """
 
     points: NDArray[np.float64]
     triangles: NDArray[np.int64]
+    connected: NDArray[np.bool_]
+
+    @staticmethod
+    def of(points: NDArray[np.float64], triangles: NDArray[np.int64], skin: NDArray[np.float64]) -> Surroundings:
+        """Tell what of a surface is connected with a piece of skin that was taken from it.
+
+        Parameters
+        ----------
+        points
+            Vertices in mm, shape (n, 3).
+        triangles
+            Vertex indices, oriented outwards, shape (m, 3).
+        skin
+            Points of the piece in mm, shape (k, 3).
+
+        Returns
+        -------
+        Surroundings
+            The surface.
+        """
+        part = parts_of(triangles, len(points))
+        near = closest_points(skin[:: max(1, len(skin) // _ASKED)], points, triangles)[0]
+        return Surroundings(points, triangles, part == np.bincount(part[near]).argmax())
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,16 +104,14 @@ def inner_side(
     InnerSide
         What was found.
     """
-    part = parts_of(around.triangles, len(around.points))
-    near = closest_points(skin[:: max(1, len(skin) // 50)], around.points, around.triangles)[0]
-    own = np.bincount(part[near]).argmax()
     low, high = skin.min(axis=0) - reach.max(), skin.max(axis=0) + reach.max()
     corners = around.points[around.triangles]
     kept = np.flatnonzero(((corners.min(axis=1) <= high) & (corners.max(axis=1) >= low)).all(axis=1))
-    triangle, distance = _leave(skin, inwards, reach, around.points, around.triangles[kept], part[kept] != own)
+    walls = ~around.connected[kept]
+    triangle, distance = _leave(skin, inwards, reach, around.points, around.triangles[kept], walls)
     met = triangle >= 0
     free = np.zeros(len(skin), bool)
-    free[met] = part[kept[triangle[met]]] == own
+    free[met] = ~walls[triangle[met]]
     return InnerSide(distance, free)
 
 

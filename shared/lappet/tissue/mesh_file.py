@@ -18,7 +18,7 @@ from lappet.foreign.reading_process import ReadingProcess
 from lappet.foreign.regular_file import refuse_irregular, refuse_kind
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.gltf_file import GltfFile
-from lappet.tissue.mesh_report import MeshReport, found
+from lappet.tissue.mesh_report import MeshReport, Note, found
 from lappet.tissue.ply_sizes import refuse_ply_sizes
 from lappet.usd.stage import open_stage, pxr
 
@@ -143,10 +143,10 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_MISSING, path, what="a mesh")
     refuse_irregular(path, limits)
     if path.suffix.lower() in _USD:
-        mesh, scale, turn = _read_usd(path, limits)
+        mesh, corners, scale, turn = _read_usd(path, limits)
         stated = f"the stage says {scale / 1000.0:g} m per unit"
     else:
-        mesh = _read_trimesh(path, limits)
+        mesh, corners = _read_trimesh(path, limits), _obj_corners(path)
         turn = path.suffix.lower() in _GLTF
         scale, stated = (1000.0, "glTF is in metres") if turn else (0.0, "")
     if len(mesh.triangles) == 0:
@@ -167,6 +167,7 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
     notes = [
         found("file", path.name),
         found("mesh", f"{len(points)} points, {len(mesh.triangles)} triangles"),
+        *_polygons(corners),
         found("units", stated),
         found("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
     ]
@@ -210,12 +211,28 @@ def _read_trimesh(path: Path, limits: ReadLimits) -> Mesh:
     return Mesh(np.asarray(geometry.vertices, np.float64).reshape(-1, 3), triangles, corner_uv)
 
 
-def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, float, bool]:
-    """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
+def _obj_corners(path: Path) -> NDArray[np.int64]:
+    """The number of corners of each face of an OBJ; empty for other files, whose readers do not tell it."""
+    if path.suffix.lower() != ".obj":
+        return np.zeros(0, np.int64)
+    with path.open("rb") as stream:
+        return np.array([len(line.split()) - 1 for line in stream if line.lstrip()[:2] in (b"f ", b"f\t")], np.int64)
+
+
+def _polygons(corners: NDArray[np.int64]) -> list[Note]:
+    if not (corners > 3).any():
+        return []
+    larger = int((corners > 4).sum())
+    more = f" and {larger} faces of up to {corners.max()} corners" if larger else ""
+    return [found("polygons", f"{int((corners == 4).sum())} quads{more}, split into triangles")]
+
+
+def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], float, bool]:
+    """The meshes of a stage at its default time, the corners of their faces, mm per unit, and whether Y is up."""
     usd = pxr()
     stage = open_stage(path, limits)
     cache = usd.UsdGeom.XformCache()
-    points, triangles, count = [], [], 0
+    points, triangles, corners, count = [], [], [], 0
     for prim in stage.Traverse():
         if not prim.IsA(usd.UsdGeom.Mesh):
             continue
@@ -235,9 +252,10 @@ def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, float, bool]:
             faces = faces[:, ::-1]
         points.append(local @ matrix[:3, :3] + matrix[3, :3])
         triangles.append(faces + count)
+        corners.append(counts)
         count += len(local)
     scale = 1000.0 * float(usd.UsdGeom.GetStageMetersPerUnit(stage))
     y_up = str(usd.UsdGeom.GetStageUpAxis(stage)) == "Y"
     if not points:
-        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), scale, y_up
-    return Mesh(np.concatenate(points), np.concatenate(triangles)), scale, y_up
+        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), np.zeros(0, np.int64), scale, y_up
+    return Mesh(np.concatenate(points), np.concatenate(triangles)), np.concatenate(corners), scale, y_up

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.nesting import outermost_around
+from lappet.geometry.separate_sheets import separate_sheets
 from lappet.geometry.surface_check import directed_edges, open_edges, signed_volume, unique_edges
 from lappet.geometry.triangulation import clip_ears
 from lappet.tissue.mesh_file import Mesh
@@ -53,6 +54,27 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[Note]]:
     notes = [repaired(what, f"{count} {done}") for what, (count, done) in counts.items() if count]
     keep &= single
     return Mesh(points, triangles[keep], None if mesh.uv is None else mesh.uv[keep]), notes
+
+
+def separate(mesh: Mesh) -> tuple[Mesh, list[Note]]:
+    """Take the mesh apart where it is not manifold: at edges of more than two faces, and where fans of faces touch.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
+    Returns
+    -------
+    tuple[Mesh, list[Note]]
+        A mesh whose edges belong to one face or two, and what was done.
+    """
+    source, triangles, crowded = separate_sheets(mesh.points, mesh.triangles)
+    copies = len(source) - len(mesh.points)
+    notes = [repaired("non-manifold edges", f"{crowded} of more than two faces, taken apart")] if crowded else []
+    if copies and not crowded:
+        notes.append(repaired("non-manifold vertices", f"{copies} fans of faces taken apart"))
+    return Mesh(mesh.points[source], triangles, mesh.uv), notes
 
 
 def orient(mesh: Mesh) -> tuple[Mesh, list[Note]]:

@@ -28,7 +28,7 @@ Thickness = float | Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """In mm: one number, or a function from points of the skin in mm, shape (n, 3), to the thickness below each, (n,)."""
 
 _SMALL_HOLE = 0.15  # of the rim: holes shorter than this are filled
-_NARROW = 0.95  # of the wanted thickness: a sheet that is thinner somewhere is said to be
+_NARROW = 0.75  # of the wanted thickness: places that are thinner are told
 
 
 def open_mesh_tissue(
@@ -66,11 +66,11 @@ def open_mesh_tissue(
     mesh, notes = _largest_part(mesh)
     refuse_faults(name, mesh.points, mesh.triangles, EDGES)
     mesh, more = _small_holes_filled(mesh, name)
-    uv = flatten(mesh.points, mesh.triangles)
     wanted = thickness(mesh.points) if callable(thickness) else np.full(len(mesh.points), float(thickness))
     thick = float(np.median(wanted))
     sheet = thicken(mesh.points, mesh.triangles, wanted, rim_rows(mesh.points, mesh.triangles, thick), name, around)
     refuse_faults(name, sheet.points, sheet.triangles)
+    uv = flatten(mesh.points, mesh.triangles)
     volume = signed_volume(sheet.points, sheet.triangles)
     if spacing is None:
         spacing = chosen_spacing(volume, thick)
@@ -90,7 +90,7 @@ def open_mesh_tissue(
         taken("tissue", f"sheet of {len(sheet.triangles)} triangles, {volume:.4g} mm³"),
         *_thickness_notes(mesh, sheet, wanted),
         taken("lattice spacing", f"{spacing:g} mm"),
-        taken("texture", f"lengths of the skin within {100 * _stretches(mesh, uv):.2g} % for 95 of 100 edges"),
+        taken("texture", _lengths_kept(mesh, uv)),
     ]
     return tissue, notes
 
@@ -121,15 +121,13 @@ def _small_holes_filled(mesh: Mesh, name: str) -> tuple[Mesh, list[Note]]:
 
 def _thickness_notes(mesh: Mesh, sheet: Sheet, wanted: NDArray[np.float64]) -> list[Note]:
     low, high = float(sheet.depth.min()), float(sheet.depth.max())
-    if not (sheet.depth < _NARROW * wanted).any():
-        return [taken("thickness", f"{high:g} mm" if high - low < 1e-9 else f"{low:.3g} to {high:.3g} mm")]
-    thinner = float(
-        areas(mesh.points[mesh.triangles])[(sheet.depth < _NARROW * wanted)[mesh.triangles].any(axis=1)].sum()
-    )
-    where = place(mesh.points[int((sheet.depth / wanted).argmin())].round(2))
-    notes = [
-        taken("thickness", f"{high:.3g} mm, less on {thinner:.3g} mm² that leave no room, {low:.2g} mm at {where}")
-    ]
+    value = f"{high:.4g} mm" if high - low < 0.005 * high else f"{low:.2g} to {high:.4g} mm"
+    thin = sheet.depth < _NARROW * wanted
+    if thin.any():
+        less = float(areas(mesh.points[mesh.triangles])[thin[mesh.triangles].any(axis=1)].sum())
+        where = place(mesh.points[int((sheet.depth / wanted).argmin())].round(2))
+        value += f", less than {_NARROW:.0%} of what was wanted on {less:.3g} mm², the least at {where}"
+    notes = [taken("thickness", value)]
     if sheet.lining.any():
         lined = float(areas(sheet.points[sheet.triangles[sheet.lining]]).sum())
         notes.append(taken("lining", f"{lined:.3g} mm² of the underside are the surface's own inner side, and free"))
@@ -163,9 +161,10 @@ def sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> NDArray[np.fl
     return np.where(sheet.rim[:, None, None], rim[sheet.triangles], flat[sheet.triangles])
 
 
-def _stretches(mesh: Mesh, uv: NDArray[np.float64]) -> float:
-    """The relative change of edge length by flattening that 95 of 100 edges stay below."""
+def _lengths_kept(mesh: Mesh, uv: NDArray[np.float64]) -> str:
+    """How much edges are longer or shorter in the flat layout."""
     following = np.roll(mesh.triangles, -1, axis=1)
     true = np.linalg.norm(mesh.points[mesh.triangles] - mesh.points[following], axis=2)
     flat = np.linalg.norm(uv[mesh.triangles] - uv[following], axis=2)
-    return float(np.quantile(np.abs(flat / np.maximum(true, 1e-300) - 1.0), 0.95))
+    half, most = np.quantile(np.abs(flat / np.maximum(true, 1e-300) - 1.0), (0.5, 0.95))
+    return f"a grid whose lengths are the skin's within {100 * half:.2g} % for half of it, {100 * most:.2g} % for 95 %"

@@ -1,4 +1,4 @@
-"""Choose a surgical field on a surface: inside a sphere or a box, or within a radius of a point along the skin."""
+"""Choose a surgical field on a surface: a sphere, a box, a disc along the skin, or an outline drawn on it."""
 
 from __future__ import annotations
 
@@ -12,13 +12,19 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import closest_points
 from lappet.geometry.connected_parts import parts_of
+from lappet.geometry.flatten import flatten
 from lappet.geometry.geodesic_distance import geodesic_distance
+from lappet.geometry.polygon import crosses_itself, signed_distance
 from lappet.geometry.surface_check import place
+from lappet.geometry.triangles import areas, barycentric
 from lappet.tissue.crop_mesh import box_levels, crop, crop_by_values, near, refine_smoothly, sphere_level
 from lappet.tissue.mesh_file import Mesh
+from lappet.tissue.mesh_repair import separate
 from lappet.tissue.mesh_report import Note, taken
 from lappet.tissue.outer_part import outer_part
 
+_OFF = 0.1  # of an outline's length: its points lie no further from the surface
+_OUTLINE_REACH = 0.65  # of an outline's length: what lies further from its first point is not in it
 _BEYOND = 1.5  # of the radius: distances along the skin are measured this far
 
 
@@ -70,14 +76,28 @@ class Disc:
     radius: float
 
 
-Region = Sphere | Box | Disc
+@dataclass(frozen=True)
+class Outline:
+    """The part of a surface inside a closed curve that was drawn on it.
+
+    Parameters
+    ----------
+    points
+        Points in mm in order, either way round, at least 3; each goes to the closest point of the surface, and between
+        them the curve runs straight on the unrolled skin.
+    """
+
+    points: Sequence[Sequence[float]]
+
+
+Region = Sphere | Box | Disc | Outline
 
 
 def surgical_field(mesh: Mesh, region: Region, edge: float, name: str) -> tuple[Mesh, list[Note]]:
     """Take one connected part of a surface inside a region, refined and cut cleanly.
 
     Of a sphere and a box it is the part that faces outwards and lies nearest to the middle; of a disc the one that
-    holds its middle.
+    holds its middle; of an outline the larger one.
 
     Parameters
     ----------
@@ -98,16 +118,19 @@ def surgical_field(mesh: Mesh, region: Region, edge: float, name: str) -> tuple[
     Raises
     ------
     RefusedError
-        If the region holds nothing of the surface, or a disc's point lies further from it than its radius.
+        If the region holds nothing of the surface, a disc's point lies further from it than its radius, or an outline
+        crosses itself or lies off the surface.
     """
     if isinstance(region, Disc):
         return _disc(mesh, region, edge, name)
+    if isinstance(region, Outline):
+        return _inside_outline(mesh, region, edge, name)
     levels = sphere_level(region.center, region.radius) if isinstance(region, Sphere) else box_levels(*_corners(region))
     candidates = near(mesh, levels)
     if len(candidates.triangles) == 0:
         raise _empty(mesh, name)
     refined, notes = _refined(candidates, edge)
-    inside = crop(refined, levels)
+    inside, _ = separate(crop(refined, levels))
     if len(inside.triangles) == 0:
         raise _empty(mesh, name)
     middle = region.center if isinstance(region, Sphere) else np.mean([region.low, region.high], axis=0)
@@ -127,13 +150,47 @@ def _disc(mesh: Mesh, disc: Disc, edge: float, name: str) -> tuple[Mesh, list[No
     candidates = _around(near(mesh, sphere_level(middle, _BEYOND * disc.radius)), middle)
     refined, notes = _refined(candidates, edge)
     distance = geodesic_distance(refined.points, refined.triangles, middle, _BEYOND * disc.radius)
-    inside = crop_by_values(refined, np.minimum(distance, _BEYOND * disc.radius) - disc.radius)
+    inside, _ = separate(crop_by_values(refined, np.minimum(distance, _BEYOND * disc.radius) - disc.radius))
     if len(inside.triangles) == 0:
         raise _empty(mesh, name)
     where = f"within {disc.radius:g} mm of {place(middle.round(3))} along the skin"
     if away[0] > 0.1:
         where += f", {away[0]:.3g} mm from the given point"
     return _around(inside, middle), [taken("region", where), *notes]
+
+
+def _inside_outline(mesh: Mesh, outline: Outline, edge: float, name: str) -> tuple[Mesh, list[Note]]:
+    drawn = np.asarray(outline.points, np.float64)
+    length = float(np.linalg.norm(np.roll(drawn, -1, axis=0) - drawn, axis=1).sum())
+    _, closest, away = closest_points(drawn, mesh.points, mesh.triangles)
+    if away.max() > _OFF * length:
+        far = int(away.argmax())
+        raise refused(
+            ProblemCode.REGION_POINT_OFF_SURFACE,
+            name,
+            place(drawn[far]),
+            away=f"{away[far]:.3g}",
+            nearest=place(closest[far]),
+        )
+    # Every point of the outline lies within half its length of the first one.
+    reach = _OUTLINE_REACH * length
+    candidates = _around(near(mesh, sphere_level(closest[0], reach)), closest[0])
+    refined, notes = _refined(candidates, edge)
+    distance = geodesic_distance(refined.points, refined.triangles, closest[0], reach)
+    patch = _around(separate(refined.part(np.isfinite(distance)[refined.triangles].all(axis=1)))[0], closest[0])
+    flat = flatten(patch.points, patch.triangles)
+    triangle, on_skin, _ = closest_points(closest, patch.points, patch.triangles)
+    weights = barycentric(on_skin, patch.points[patch.triangles[triangle]])
+    polygon = np.einsum("kc,kci->ki", weights, flat[patch.triangles[triangle]])
+    if crosses_itself(polygon):
+        raise refused(ProblemCode.OUTLINE_CROSSES_ITSELF, name)
+    inside, _ = separate(crop_by_values(patch, signed_distance(flat, polygon)))
+    if len(inside.triangles) == 0:
+        raise _empty(mesh, name)
+    part = parts_of(inside.triangles, len(inside.points))
+    largest = np.bincount(part, areas(inside.points[inside.triangles])).argmax()
+    where = f"inside an outline of {len(drawn)} points, {length:.3g} mm long"
+    return inside.part(part == largest), [taken("region", where), *notes]
 
 
 def _around(mesh: Mesh, point: NDArray[np.float64]) -> Mesh:

@@ -23,13 +23,15 @@ from lappet.geometry.triangles import area_normals, directions
 from lappet.geometry.vertex_neighbors import limit_slope, means_around
 from lappet.tissue.inner_side import InnerSide, Surroundings, inner_side, opposite_skin
 
-_ATTEMPTS = (1, 4, 16, 64, 256)  # rounds of smoothing of the normals
+_ATTEMPTS = (0, 1, 4, 16, 64, 256)  # rounds of smoothing of the normals
 _WHOLE = (4, 16, 64, 256)  # of these, those with which the thickness is tried as it is wanted
-_LIMITED = (1, 4, 16)  # those with which it is lowered, the last one first
+_LIMITED = (0, 1, 4, 16)  # those with which it is lowered, the last one first
 _HALF = 0.45  # of the distance to the same piece of skin: each side takes so much, and a gap is left
-_SLOPE = 0.5  # mm of thickness per mm along the skin, where it is limited
+_SLOPE = 1.0  # mm of thickness per mm along the skin, where it is limited
 _LOWER = 0.8  # where the underside folds, the thickness is lowered to this share of it, again and again
 _STEPS = 80
+_ROUNDED = 1  # rounds of smoothing of the thickness, where it is limited
+_LINED = 0.9  # of the distance to the inner side: an underside that comes so near to it lies on it
 _LEAST_AREA = 0.02  # of a skin's triangle: an underside's that is smaller, seen from it, counts as folded
 _THINNEST = 0.02  # of the wanted thickness: a place that leaves less room is refused
 
@@ -138,23 +140,23 @@ def thicken(
     wanted = np.broadcast_to(np.asarray(thickness, np.float64), len(points))
     edges = unique_edges(directed_edges(triangles))[0]
     normals = _corner_means(points, triangles)
-    started: list[tuple[NDArray[np.float64], NDArray[np.float64], InnerSide | None]] = []
+    started: list[NDArray[np.float64]] = []
     done = 0
     for rounds in _ATTEMPTS:
         for _ in range(rounds - done):
             normals = directions(normals + means_around(normals, edges))
         done = rounds
-        depth, inner = _room(points, triangles, edges, -normals, wanted, around)
         if rounds in _LIMITED:
-            started.append((normals, depth, inner))
+            started.append(normals)
         if rounds in _WHOLE:
+            depth, inner = _room(points, triangles, edges, -normals, wanted, around)
             sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, depth, inner)
             if not len(_turned(sheet)) and next(intersections(sheet.points, sheet.triangles), None) is None:
                 return sheet
     for start in reversed(started[1:]):
         with contextlib.suppress(RefusedError):
-            return _lowered(points, triangles, edges, start, wanted, rows, name)
-    return _lowered(points, triangles, edges, started[0], wanted, rows, name)
+            return _lowered(points, triangles, edges, start, wanted, rows, name, around)
+    return _lowered(points, triangles, edges, started[0], wanted, rows, name, around)
 
 
 def _corner_means(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -183,6 +185,8 @@ def _room(
 def _smoothed(points: NDArray[np.float64], edges: NDArray[np.int64], depth: NDArray[np.float64]) -> NDArray[np.float64]:
     """A thickness that is nowhere larger and changes slowly along the skin."""
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    for _ in range(_ROUNDED):
+        depth = np.minimum(depth, 0.5 * (depth + means_around(depth, edges)))
     return limit_slope(depth, edges, lengths, _SLOPE)
 
 
@@ -190,13 +194,15 @@ def _lowered(
     points: NDArray[np.float64],
     triangles: NDArray[np.int64],
     edges: NDArray[np.int64],
-    start: tuple[NDArray[np.float64], NDArray[np.float64], InnerSide | None],
+    normals: NDArray[np.float64],
     wanted: NDArray[np.float64],
     rows: int,
     name: str,
+    around: Surroundings | None,
 ) -> Sheet:
     """The sheet whose thickness is lowered wherever its underside folds or meets anything."""
-    normals, depth, inner = start
+    depth, inner = _room(points, triangles, edges, -normals, wanted, around)
+    room = depth.copy()
     where = int(depth.argmin())
     for _ in range(_STEPS):
         sheet = _sheet(points, triangles, points - depth[:, None] * normals, rows, depth, inner)
@@ -205,12 +211,11 @@ def _lowered(
             bad = _crossing(sheet, name)
             if len(bad) == 0:
                 return sheet
-        depth = depth.copy()
-        depth[bad] *= _LOWER
-        where = int(bad[(depth[bad] / wanted[bad]).argmin()])
-        if depth[where] < _THINNEST * wanted[where]:
+        room[bad] = _LOWER * depth[bad]
+        where = int(bad[(room[bad] / wanted[bad]).argmin()])
+        if room[where] < _THINNEST * wanted[where]:
             break
-        depth = _smoothed(points, edges, depth)
+        depth = _smoothed(points, edges, room)
     value = f"{float(wanted[where]):g}"
     raise refused(ProblemCode.SHEET_FOLDS, name, value, place=Place.at(points[where]), where=place(points[where]))
 
@@ -268,7 +273,7 @@ def _sheet(
     kind = np.repeat(np.arange(len(faces)), [len(f) for f in faces])
     lining = np.zeros(len(kind), bool)
     if inner is not None:
-        on_free = inner.free & (depth >= inner.distance)
+        on_free = inner.free & (depth >= _LINED * inner.distance)
         lining[kind == 1] = on_free[triangles].all(axis=1)
     return Sheet(
         points=np.concatenate(vertices),

@@ -10,16 +10,19 @@ import numpy as np
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
-from lappet.geometry.border_loops import border_loops
+from lappet.geometry.border_loops import border_loops, perimeter
+from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.surface_check import open_edges
 from lappet.procedure import Tissue
 from lappet.tissue.closed_mesh_tissue import closed_mesh_tissue
 from lappet.tissue.inner_side import Surroundings
 from lappet.tissue.mesh_file import Mesh, read_mesh
-from lappet.tissue.mesh_repair import orient, weld
+from lappet.tissue.mesh_repair import orient, separate, weld
 from lappet.tissue.mesh_report import MeshReport, Note, found
 from lappet.tissue.open_mesh_tissue import Thickness, open_mesh_tissue
-from lappet.tissue.surgical_field import Box, Disc, Region, Sphere, surgical_field
+from lappet.tissue.surgical_field import Box, Disc, Outline, Region, Sphere, surgical_field
+
+_MOST_LENGTHS = 5  # of borders, that the report names
 
 
 def new_tissue(
@@ -32,6 +35,7 @@ def new_tissue(
     resolution: float | None = None,
     limits: ReadLimits = DEFAULT_LIMITS,
     at: tuple[Sequence[float], float] | None = None,
+    outline: Outline | None = None,
 ) -> tuple[Tissue, MeshReport]:
     """Make tissue from a mesh file.
 
@@ -59,6 +63,8 @@ def new_tissue(
         What reading the file may take.
     at
         A point of the skin and a radius along the skin, both in mm: a region to take.
+    outline
+        A closed curve on the skin: a region to take.
 
     Returns
     -------
@@ -75,6 +81,7 @@ def new_tissue(
     regions += [] if sphere is None else [Sphere(*sphere)]
     regions += [] if box is None else [Box(*box)]
     regions += [] if at is None else [Disc(*at)]
+    regions += [] if outline is None else [outline]
     if len(regions) > 1:
         raise refused(ProblemCode.REGION_TWICE, path.name)
     region = regions[0] if regions else None
@@ -137,11 +144,11 @@ def tissue_of_mesh(
     """
     _refuse_lengths(name, None if callable(thickness) else thickness, spacing, resolution, region)
     report = report or MeshReport()
-    for repair in (weld, orient):
+    for repair in (weld, separate, orient):
         mesh, notes = repair(mesh)
         report = report.with_notes(notes)
     closed = len(open_edges(mesh.triangles)) == 0
-    report = report.with_notes([_borders(mesh, closed)])
+    report = report.with_notes(_shape(mesh, closed))
     if region is None:
         if thickness is None:
             tissue, notes = closed_mesh_tissue(mesh, spacing, name)
@@ -151,27 +158,41 @@ def tissue_of_mesh(
             tissue, notes = open_mesh_tissue(mesh, thickness, spacing, name)
         return tissue, report.with_notes(notes)
     if thickness is None:
+        if isinstance(region, (Sphere, Box)) and closed:
+            tissue, notes = closed_mesh_tissue(mesh, spacing, name, region)
+            return tissue, report.with_notes(notes)
         raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
     edge = resolution or (2.0 if callable(thickness) else thickness)
     field, notes = surgical_field(mesh, region, edge, name)
-    tissue, more = open_mesh_tissue(field, thickness, spacing, name, Surroundings(mesh.points, mesh.triangles))
+    around = Surroundings.of(mesh.points, mesh.triangles, field.points)
+    tissue, more = open_mesh_tissue(field, thickness, spacing, name, around)
     return tissue, report.with_notes([*notes, *more])
 
 
 def _refuse_lengths(
     name: str, thickness: float | None, spacing: float | None, resolution: float | None, region: Region | None
 ) -> None:
-    radius = None if region is None or isinstance(region, Box) else region.radius
+    radius = region.radius if isinstance(region, (Sphere, Disc)) else None
     lengths = {"thickness": thickness, "spacing": spacing, "resolution": resolution, "radius": radius}
     for what, value in lengths.items():
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise refused(ProblemCode.LENGTH_NOT_POSITIVE, name, f"{value:g}", name=what)
 
 
-def _borders(mesh: Mesh, closed: bool) -> Note:
-    if closed:
-        return found("surface", "watertight")
-    return found("surface", f"not watertight, {len(border_loops(mesh.triangles))} open borders")
+def _shape(mesh: Mesh, closed: bool) -> list[Note]:
+    """Whether the surface is closed, its borders and its parts."""
+    loops = border_loops(mesh.triangles)
+    lengths = sorted((perimeter(mesh.points, loop) for loop in loops), reverse=True)
+    longest = ", ".join(f"{each:.3g}" for each in lengths[:_MOST_LENGTHS]) + (
+        ", …" if len(loops) > _MOST_LENGTHS else ""
+    )
+    notes = [found("surface", "watertight" if closed else f"open: {len(loops)} borders of {longest} mm")]
+    part = parts_of(mesh.triangles, len(mesh.points))
+    parts = int(part.max()) + 1
+    if parts > 1:
+        open_parts = len(np.unique(part[np.isin(mesh.triangles, np.concatenate(loops)).any(axis=1)])) if loops else 0
+        notes.append(found("separate parts", f"{parts}, of which {parts - open_parts} are closed"))
+    return notes
 
 
 def _text(thickness: Thickness) -> str:
