@@ -16,6 +16,7 @@ SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
 DERMIS = (0.66, 0.20, 0.175, 1.0)
 DERMIS_PALE = (0.80, 0.40, 0.33, 1.0)
+MUCOSA = (0.62, 0.27, 0.24, 1.0)
 FAT = (0.86, 0.60, 0.20, 1.0)
 BED = (0.47, 0.115, 0.10, 1.0)
 EDGE = (0.30, 0.045, 0.04, 1.0)
@@ -213,6 +214,17 @@ def rim_material(space: Space = FIGURE) -> bpy.types.Material:
     material = nodes.finish(color, Roughness=0.6)
     material.diffuse_color = DERMIS_PALE
     return material
+
+
+def mucosa_material(space: Space = FIGURE) -> bpy.types.Material:
+    """A free border of the tissue, such as the edge of a lid or a lip: moist and red, no cut."""
+    nodes = _Nodes("Mucosa", space)
+    return nodes.finish(MUCOSA, Roughness=0.3)
+
+
+def plain_material(name: str, color: tuple[float, float, float, float], roughness: float) -> bpy.types.Material:
+    """A material of one color."""
+    return _Nodes(name).finish(color, Roughness=roughness)
 
 
 def fat_material(space: Space = FIGURE) -> bpy.types.Material:

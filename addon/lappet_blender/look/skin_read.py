@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .scenery_read import SceneryMesh, read_scenery
 from .skin_fields import depth_below_skin
 from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands
 
@@ -46,6 +47,7 @@ class SkinCache:
         if not self.frames:
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
         self.events = self._events()
+        self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
 
     def epoch_at(self, time: float) -> SkinEpoch:
         """The epoch that is shown at a frame; raises FigureError where the cache has no such frame."""
