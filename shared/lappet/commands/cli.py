@@ -11,6 +11,7 @@ import click
 
 from lappet.commands.check_command import check
 from lappet.commands.demo_command import demo
+from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
@@ -50,5 +51,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, new, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, new, flap, report, keys):
     cli.add_command(_command)
