@@ -32,6 +32,7 @@ CONTENTS = (
             "examples/README.md",
             "docs/materials.md",
             "docs/tissues.md",
+            "docs/flaps.md",
             "docs/problem*.md",
             "docs/reports.md",
             "docs/performance.md",

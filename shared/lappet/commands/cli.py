@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from lappet.commands.check_command import check
+from lappet.commands.compare_command import compare
 from lappet.commands.demo_command import demo
 from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
@@ -51,5 +52,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, new, flap, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, compare, new, flap, report, keys):
     cli.add_command(_command)

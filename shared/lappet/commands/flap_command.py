@@ -138,11 +138,17 @@ def add(
     with sentences(context):
         from dataclasses import replace
 
-        from lappet.designs.library_operation import add_flap, flap_on_patch, landmark_place, skin_line_direction
+        from lappet.designs.library_operation import (
+            SPACING,
+            add_flap,
+            flap_on_patch,
+            landmark_place,
+            skin_line_direction,
+        )
         from lappet.usd.stage import read_procedure, write_procedure
 
         if procedure is None:
-            made = flap_on_patch(name, dict(measures), mirrored=mirrored, spacing=spacing or 1.0)
+            made = flap_on_patch(name, dict(measures), mirrored=mirrored, spacing=spacing or SPACING)
         else:
             given = read_procedure(procedure, limits=limits)
             if spacing is not None:

@@ -314,7 +314,7 @@ class ProblemCode(StrEnum):
     DESIGN_OFF_SKIN = auto()
     DESIGN_LANDMARK = auto()
     DESIGN_NO_LINES = auto()
-    DESIGN_NOT_EMPTY = auto()
+    COMPARE_NO_CACHE = auto()
     DEMO_MISSING = auto()
     REPORT_FOLDER = auto()
     REPORT_NEEDS = auto()

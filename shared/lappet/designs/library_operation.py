@@ -30,6 +30,8 @@ DEEP, DERMAL = 0.8, 0.15
 SEAM_SUTURES = 6.0  # sutures of a row along the longest seam, at least, as long as the lattice can hold them
 BEYOND = 15.0  # mm of skin undermined around the cuts; half of it shrinks with the design
 MARGIN = 24.0  # mm of skin around a design on a patch of its own
+THICKNESS = 4.0  # mm, of such a patch
+SPACING = 4.0 / 3.0  # mm, of its lattice: three cells through the skin
 _UNMEASURED = 4.0  # mm: thickness of a tissue without a bed
 
 
@@ -195,7 +197,7 @@ def add_flap(
 
 
 def flap_on_patch(
-    name: str, values: Mapping[str, float] | None = None, *, mirrored: bool = False, spacing: float = 1.0
+    name: str, values: Mapping[str, float] | None = None, *, mirrored: bool = False, spacing: float = SPACING
 ) -> Procedure:
     """Make a procedure of a design on a flat patch of the default skin, large enough for it.
 
@@ -226,12 +228,11 @@ def flap_on_patch(
     drawn = np.array([point for curve in curves for point in curve])[:, :2]
     low, high = drawn.min(axis=0) - MARGIN, drawn.max(axis=0) + MARGIN
     size, middle = 2.0 * np.ceil(0.5 * (high - low)), np.round(0.5 * (low + high))
-    thickness = 4.0
     tissue = flat_patch(
-        (float(size[0]), float(size[1]), thickness), center=(float(middle[0]), float(middle[1])), spacing=spacing
+        (float(size[0]), float(size[1]), THICKNESS), center=(float(middle[0]), float(middle[1])), spacing=spacing
     )
     empty = Procedure(tissue, (SKIN.material,), start_time=1, end_time=1, fps=12)
-    return add_flap(empty, name, (0.0, 0.0, thickness), (1.0, 0.0, 0.0), values, mirrored=mirrored)
+    return add_flap(empty, name, (0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), values, mirrored=mirrored)
 
 
 def thickness_at(tissue: Tissue, at: ArrayLike) -> float:
