@@ -151,7 +151,7 @@ def bow(
     height
         Height over the middle of the chord in mm, to the left of the way from start to end; negative to the right.
     pointed
-        Whether its height is 1 - |t|^`GOTHIC`, t from -1 to 1 along the chord, and not sqrt(1 - t²).
+        Whether its height is 1 - abs(t)^1.3 (`GOTHIC`), t from -1 to 1 along the chord, and not sqrt(1 - t²).
     step
         Distance from point to point in mm, about.
 
