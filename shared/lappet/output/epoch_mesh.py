@@ -13,6 +13,7 @@ from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.geometry.vectors import bounds
+from lappet.output.shown_frames import show_at
 from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr
 
@@ -24,7 +25,6 @@ SUBSETS = {
 }
 # What viewers show without materials: skin, flesh, fat, fat.
 _COLORS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
-_INSTANT = 1.0 / 1024.0  # of a frame
 
 
 def write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: Sequence[float], fps: float) -> None:
@@ -45,7 +45,7 @@ def write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: 
     """
     mesh = _define(stage, epoch)
     _animate(mesh, ShadingNormals(epoch.surface), frames, fps)
-    _show(mesh, {frame.time for frame in frames}, times)
+    show_at(mesh, {frame.time for frame in frames}, times)
 
 
 def _define(stage: Any, epoch: Epoch) -> Any:
@@ -92,22 +92,6 @@ def _animate(mesh: Any, shading: ShadingNormals, frames: Sequence[SolvedFrame], 
         extent.Set(vectors(bounds(moved[i])), time)
         for name, primvar in scalars.items():
             primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
-
-
-def _show(mesh: Any, own: set[float], times: Sequence[float]) -> None:
-    usd = pxr()
-    tokens = usd.UsdGeom.Tokens
-    visibility = mesh.CreateVisibilityAttr()
-    # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
-    scale = mesh.AddScaleOp()
-    before: bool | None = None
-    for time in times:
-        shown = time in own
-        visibility.Set(tokens.inherited if shown else tokens.invisible, time)
-        if before is not None and shown is not before:
-            scale.Set(usd.Gf.Vec3f(float(before)), time - _INSTANT)
-        scale.Set(usd.Gf.Vec3f(float(shown)), time)
-        before = shown
 
 
 def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:

@@ -20,6 +20,7 @@ from lappet.output.boundary_forces import write_boundary_forces
 from lappet.output.epoch_mesh import write_epoch
 from lappet.output.force_errors import write_force_errors
 from lappet.output.seam_curves import write_seams
+from lappet.output.vessel_curves import write_vessels
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_points
@@ -101,6 +102,7 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
+    write_vessels(stage, program, frames)
 
 
 def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:
