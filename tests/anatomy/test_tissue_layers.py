@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lappet.anatomy.tissue_kind import KIND_COLORS, KINDS, tissue_kind
-from lappet.anatomy.tissue_layers import LayerSearch
+from lappet.anatomy.tissue_layers import layer_search
 from lappet.cutting.epochs import build_epochs
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.procedure import Incision, Material, Procedure, Region
@@ -32,7 +32,7 @@ def wall_of(surface: Surface) -> np.ndarray:
 
 
 def test_ten_millimetres_of_one_material_are_one_layer() -> None:
-    search = LayerSearch(procedure())
+    search = layer_search(procedure().tissue, procedure().materials)
     assert search.layers.columns == 1
     assert search.layers.materials == ("skin",)
     surface = build_epochs(procedure())[0].surface
@@ -46,7 +46,7 @@ def test_ten_millimetres_of_one_material_are_one_layer() -> None:
 
 def test_skin_over_fat_changes_at_its_thickness() -> None:
     layered = skin_over_fat(procedure(), 3.0)
-    search = LayerSearch(layered)
+    search = layer_search(layered.tissue, layered.materials)
     assert search.layers.materials == ("skin", "fat")
     assert search.layers.depth_from.tolist() == [0.0, 3.0]
     assert search.layers.deepest_border == 3.0
@@ -68,7 +68,7 @@ def test_a_region_inside_a_layered_one_has_a_column_of_its_own_and_the_last_regi
     subsets = {**base.tissue.subsets, "old": np.array(right, np.int32)}
     region = Region("old", "scar", 0.0, 5.0)
     last = replace(base.tissue, subsets=subsets, regions=(*base.tissue.regions, region))
-    search = LayerSearch(replace(base, tissue=last, materials=materials))
+    search = layer_search(last, materials)
     stacks = {
         column: [
             (name, float(top))
@@ -88,7 +88,7 @@ def test_a_region_inside_a_layered_one_has_a_column_of_its_own_and_the_last_regi
         expected = ("scar" if z > TOP - 5.0 else "fat") if x > 1.0 else ("skin" if z > TOP - 3.0 else "fat")
         assert name == expected, (x, z)
     first = replace(last, subsets={"old": subsets["old"], **base.tissue.subsets})
-    other = LayerSearch(replace(base, tissue=first, materials=materials)).layers
+    other = layer_search(first, materials).layers
     assert [(name, top) for name, top in zip(other.materials, other.depth_from, strict=True)].count(("fat", 3.0)) == 2
 
 

@@ -8,7 +8,9 @@ below the skin that is nearest to it, and in it to the layer at its distance fro
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,7 @@ from lappet.anatomy.tissue_kind import KIND_COLORS, KINDS, tissue_kind
 from lappet.cutting.epoch import no_entries
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
-from lappet.procedure import Procedure
+from lappet.procedure import Material, Tissue
 from lappet.tissue.surface import tissue_surface
 
 
@@ -108,12 +110,14 @@ class SurfaceLayers:
 
 
 class LayerSearch:
-    """A search for the layers of a procedure's tissue.
+    """A search for the layers of a tissue; `layer_search` keeps it.
 
     Parameters
     ----------
-    procedure
-        The procedure; its tissue makes a closed surface and its regions name face subsets and materials that it has.
+    tissue
+        The tissue; a region whose face subset it has not is left out.
+    materials
+        The procedure's materials.
 
     Raises
     ------
@@ -121,16 +125,16 @@ class LayerSearch:
         If the tissue makes no closed surface.
     """
 
-    def __init__(self, procedure: Procedure) -> None:
-        uncut = tissue_surface(procedure.tissue)
+    def __init__(self, tissue: Tissue, materials: Sequence[Material]) -> None:
+        uncut = tissue_surface(tissue)
         skin = np.flatnonzero(uncut.origin == FaceOrigin.SKIN)
-        regions = [region for region in procedure.tissue.regions if region.faces in uncut.grips]
-        members = np.array([uncut.grips[region.faces][skin] for region in regions], bool).reshape(len(regions), -1)
+        regions = [region for region in tissue.regions if region.faces in uncut.grips]
+        members = np.array([uncut.grips[region.faces][skin] for region in regions], bool).reshape(len(regions), len(skin))
         stacks, of_triangle = np.unique(members.T, axis=0, return_inverse=True)
         self._column = of_triangle.reshape(-1).astype(np.int32)
         self._skin = ClosestPoint(uncut.points, uncut.triangles[skin]) if len(skin) else None
-        known = {material.name: material for material in procedure.materials}
-        base = procedure.tissue.material
+        known = {material.name: material for material in materials}
+        base = tissue.material
         kinds = {name: tissue_kind(each, "skin" if name == base else "other") for name, each in known.items()}
         rows: list[tuple[int, float, int, str]] = []
         for column, stack in enumerate(stacks if len(stacks) else np.zeros((1, 0), bool)):
@@ -174,3 +178,27 @@ class LayerSearch:
             middles = surface.points[surface.triangles[faces]].mean(axis=1)
             column[faces] = self._column[self._skin.query(middles)[0]]
         return SurfaceLayers(depth, column)
+
+
+@lru_cache(maxsize=4)
+def layer_search(tissue: Tissue, materials: tuple[Material, ...]) -> LayerSearch:
+    """Return the search for the layers of a tissue; the last few are kept.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    materials
+        The procedure's materials.
+
+    Returns
+    -------
+    LayerSearch
+        The search.
+
+    Raises
+    ------
+    RefusedError
+        If the tissue makes no closed surface.
+    """
+    return LayerSearch(tissue, materials)
