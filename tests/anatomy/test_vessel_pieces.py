@@ -65,7 +65,8 @@ def test_a_shallow_incision_and_one_that_ends_before_it_leave_a_vessel_whole() -
     aside = replace(CUT, points=((-10.0, 0.0, TOP), (2.0, 0.0, TOP)))
     for cut in (shallow, aside):
         program = compiled([cut], ACROSS)
-        assert program.vessel_crossings == () and program.notes == ()
+        assert program.vessel_crossings == ()
+        assert program.notes == ()
         assert lengths(program, 1) == pytest.approx([24.0])
         assert not program.vessels_at[1].divided.any()
 

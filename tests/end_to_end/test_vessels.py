@@ -102,7 +102,8 @@ def test_the_report_says_where_a_vessel_is_divided_and_how_far_it_is_stretched(
     assert crossing["depth_mm"] == pytest.approx(3.0, abs=1e-6)
     assert (line["typical_course"], line["crossings"]) == (True, [])
     before, last = told["frames"][0]["vessels"], told["frames"][-1]["vessels"]
-    assert before["artery"]["pieces"] == 1 and last["artery"]["pieces"] == 2
+    assert before["artery"]["pieces"] == 1
+    assert last["artery"]["pieces"] == 2
     assert before["artery"]["length_mm"] == pytest.approx(18.0, abs=0.02)
     pieces = result.program.vessels_at[1]
     now = pieces.split(result.frames[-1].solved.vessel_points)

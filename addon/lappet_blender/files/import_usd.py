@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from lappet.anatomy.tissue_layers import layer_search
 from lappet.background.make_manifest import epoch_shapes, make_manifest
 from lappet.background.manifest import Manifest
 from lappet.background.manifest_store import put_manifest

@@ -129,7 +129,9 @@ class LayerSearch:
         uncut = tissue_surface(tissue)
         skin = np.flatnonzero(uncut.origin == FaceOrigin.SKIN)
         regions = [region for region in tissue.regions if region.faces in uncut.grips]
-        members = np.array([uncut.grips[region.faces][skin] for region in regions], bool).reshape(len(regions), len(skin))
+        members = np.array([uncut.grips[region.faces][skin] for region in regions], bool).reshape(
+            len(regions), len(skin)
+        )
         stacks, of_triangle = np.unique(members.T, axis=0, return_inverse=True)
         self._column = of_triangle.reshape(-1).astype(np.int32)
         self._skin = ClosestPoint(uncut.points, uncut.triangles[skin]) if len(skin) else None

@@ -112,7 +112,12 @@ def crossing_warnings(procedure: Procedure, crossings: Sequence[VesselCrossing])
     for each in crossings:
         vessel = procedure.vessels[each.vessel]
         path, where = f"{TIMELINE}/{each.incision}", Place.at(each.point)
-        told: dict[str, object] = {"incision": each.incision, "vessel": vessel.title, "kind": vessel.kind, "along": each.along}
+        told: dict[str, object] = {
+            "incision": each.incision,
+            "vessel": vessel.title,
+            "kind": vessel.kind,
+            "along": each.along,
+        }
         said.append(problem(ProblemCode.VESSEL_CUT, path, vessel.name, place=where, deep=each.depth, **told))
     return said
 
@@ -134,12 +139,12 @@ def _divided(pieces: VesselPieces, widest: float) -> dict[int, NDArray[np.float6
         own = ends.setdefault(int(vessel), [])
         own += [point for point, cut in zip((points[0], points[-1]), divided, strict=True) if cut]
     places = {}
-    for vessel, points in ends.items():
-        near = [np.linalg.norm(b - a) <= widest for a, b in pairwise(points)]
+    for vessel, tips in ends.items():
+        near = [np.linalg.norm(b - a) <= widest for a, b in pairwise(tips)]
         merged, k = [], 0
-        while k < len(points):
+        while k < len(tips):
             twin = k < len(near) and bool(near[k])
-            merged.append(0.5 * (points[k] + points[k + 1]) if twin else points[k])
+            merged.append(0.5 * (tips[k] + tips[k + 1]) if twin else tips[k])
             k += 2 if twin else 1
         places[vessel] = np.array(merged).reshape(-1, 3)
     return places

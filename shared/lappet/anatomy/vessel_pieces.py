@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +23,8 @@ from lappet.procedure.prim_paths import ANATOMY
 from lappet.tissue.rest_space import ROUNDING, RestSpace
 
 MOST_SAMPLES = 1000  # of one vessel
-# In lattice spacings: shorter pieces between two cuts are left out; how far the triangles of whole skin may be from where
-# they were before a cut.
+# In lattice spacings: shorter pieces between two cuts are left out; how far the triangles of whole skin may lie from
+# where they were before a cut.
 _SHORTEST, _REDRAWN = 0.05, 0.05
 
 
@@ -93,9 +94,7 @@ class _Cuts(NamedTuple):
     triangle: NDArray[np.int64]
 
 
-def vessel_course(
-    vessel: Vessel, tissue: RestSpace, uncut: ClosestPoint, spacing: float, most: float
-) -> Course:
+def vessel_course(vessel: Vessel, tissue: RestSpace, uncut: ClosestPoint, spacing: float, most: float) -> Course:
     """Sample a vessel, at steps of the lattice spacing or longer ones.
 
     Parameters
@@ -232,7 +231,7 @@ class VesselCutter:
         corners = self._corners[rows]
         below, above = corners.min(axis=1), corners.max(axis=1)
         found = []
-        for step, (a, b) in enumerate(zip(points[:-1], points[1:], strict=True)):
+        for step, (a, b) in enumerate(pairwise(points)):
             meets = ((above >= np.minimum(a, b)) & (below <= np.maximum(a, b))).all(axis=1)
             hit = np.flatnonzero(meets)
             if not len(hit):

@@ -144,7 +144,7 @@ class Compilation:
     def _cut(
         self, procedure: Procedure, search: LayerSearch, step: Callable[[], None]
     ) -> tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]:
-        """The epochs of a procedure and what is shown of them: known by the mesh, the regions, the cuts and the spacing."""
+        """The epochs of a procedure and what is shown of them: known by mesh, regions, cuts and spacing."""
         tissue = procedure.tissue
         mesh = (tissue.points, tissue.face_vertex_counts, tissue.face_vertex_indices, tissue.uv, tissue.subsets)
         cuts = tuple(replace(event, name="") for event in procedure.events if isinstance(event, CUTS))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lappet.daemon.solved_frame import HOLDERS, SCALARS, Diagnostics, LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import Message, WireError, read_array, read_fields
