@@ -47,6 +47,7 @@ FOLDERS = (
     "checks",
     "designs",
     "cutting",
+    "anatomy",
     "program",
     "daemon",
     "solve",

@@ -26,6 +26,7 @@ from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Roller, Tissue
+from lappet.procedure.vessel import VESSEL_KINDS, Vessel, VesselKind
 
 __all__ = [
     "CUTS",
@@ -35,6 +36,7 @@ __all__ = [
     "MEASURES",
     "MODELS",
     "POSITIONS",
+    "VESSEL_KINDS",
     "Basis",
     "Bone",
     "Event",
@@ -56,5 +58,7 @@ __all__ = [
     "Tissue",
     "Traction",
     "Undermine",
+    "Vessel",
+    "VesselKind",
     "position_of",
 ]

@@ -17,4 +17,7 @@ MATERIALS = f"{ROOT}/Materials"
 SKIN_LINES = f"{ROOT}/SkinLines"
 
 
+ANATOMY = f"{ROOT}/Anatomy"
+
+
 TIMELINE = f"{ROOT}/Timeline"

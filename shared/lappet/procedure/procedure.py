@@ -13,6 +13,7 @@ from lappet.procedure.events import Event
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
 from lappet.procedure.tissue import DEFAULT_SKIN, Bone, Material, Tissue
+from lappet.procedure.vessel import Vessel
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,6 +42,8 @@ class Procedure:
     skin_lines
         Lines along which the skin's fibers run; without any, `fiber_direction` and `prestretch` of the materials hold
         everywhere.
+    vessels
+        Vessels and nerves in the tissue.
 
     Examples
     --------
@@ -60,6 +63,7 @@ class Procedure:
     end_time: float = 1.0
     fps: float = 24.0
     skin_lines: tuple[SkinLine, ...] = ()
+    vessels: tuple[Vessel, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -155,6 +159,7 @@ class Procedure:
             and self.materials == other.materials
             and self.bones == other.bones
             and self.skin_lines == other.skin_lines
+            and self.vessels == other.vessels
             and self.tissue == other.tissue
         )
 
