@@ -27,6 +27,7 @@ CONTENTS = (
         "In the shell and in Python",
         (
             "docs/command_line.md",
+            "docs/meshes.md",
             "docs/python_scripting.md",
             "docs/sharing_a_daemon.md",
             "examples/README.md",

@@ -449,8 +449,12 @@ class ProblemCode(StrEnum):
     SHEET_FOLDS = auto()
     SHEET_OF_CLOSED_SURFACE = auto()
     REGION_TWICE = auto()
+    REGION_AT_AND_RADIUS = auto()
     REGION_NEEDS_THICKNESS = auto()
     REGION_EMPTY = auto()
+    REGION_POINT_OFF_SURFACE = auto()
+    OUTLINE_NO_POINTS = auto()
+    OUTLINE_CROSSES_ITSELF = auto()
     REGION_WHOLE_SURFACE = auto()
     MESH_LARGE_HOLE = auto()
 
