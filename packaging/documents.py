@@ -1,7 +1,8 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
-problems, `docs/tissues.md` from the presets of tissue, `docs/flaps.md` from the flap library and its last atlas, and
+problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md` from
+the flap library and its last atlas, and
 `docs/robustness.md` from its last results. Both check that every relative link and picture of every Markdown file of
 the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The exit status is 1 if a
 page is out of date or a link leads nowhere.
@@ -19,6 +20,7 @@ from urllib.parse import unquote
 
 import click
 
+import models_page
 import problem_page
 import robustness_page
 
@@ -101,6 +103,7 @@ def main(arguments: list[str]) -> int:
     problems = []
     pages = {
         PAGE: command_line_page(cli),
+        models_page.PAGE: models_page.models_page(),
         problem_page.PAGE: problem_page.problem_page(),
         robustness_page.PAGE: robustness_page.robustness_page(),
         TISSUES: tissue_page(),

@@ -31,6 +31,7 @@ CONTENTS = (
             "docs/python_scripting.md",
             "docs/sharing_a_daemon.md",
             "examples/README.md",
+            "docs/models.md",
             "docs/materials.md",
             "docs/tissues.md",
             "docs/flaps.md",

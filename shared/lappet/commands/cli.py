@@ -16,6 +16,7 @@ from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
+from lappet.commands.models_command import models
 from lappet.commands.new_command import new
 from lappet.commands.render_command import render
 from lappet.commands.report_command import report
@@ -52,5 +53,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, compare, new, flap, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, compare, new, models, flap, report, keys):
     cli.add_command(_command)

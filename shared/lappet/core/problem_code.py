@@ -458,6 +458,17 @@ class ProblemCode(StrEnum):
     REGION_WHOLE_SURFACE = auto()
     MESH_LARGE_HOLE = auto()
 
+    # texts/models.toml
+    MODELS_NOT_FETCHED = auto()
+    MODELS_FETCH_FAILED = auto()
+    MODELS_OTHER_FILE = auto()
+    MODEL_UNKNOWN = auto()
+    MODEL_PARAMETER = auto()
+    MODEL_TARGET_UNKNOWN = auto()
+    MODEL_TARGET_TEXT = auto()
+    MODEL_NO_BODY = auto()
+    SCENERY_KIND = auto()
+
     # texts/usd.toml
     USD_MISSING = auto()
     USD_NO_FILE = auto()

@@ -81,7 +81,7 @@ def open_mesh_tissue(
         points=sheet.points.astype(np.float32).astype(np.float64),
         face_vertex_counts=np.full(len(sheet.triangles), 3, np.int32),
         face_vertex_indices=sheet.triangles.reshape(-1).astype(np.int32),
-        uv=(UV_SCALE * _sheet_uv(sheet, mesh, uv)).reshape(-1, 2).astype(np.float32),
+        uv=(UV_SCALE * sheet_uv(sheet, mesh, uv)).reshape(-1, 2).astype(np.float32),
         subsets={subset: np.flatnonzero(faces).astype(np.int32) for subset, faces in subsets.items()},
         spacing=spacing,
     )
@@ -134,8 +134,23 @@ def _thickness_notes(mesh: Mesh, sheet: Sheet, wanted: NDArray[np.float64]) -> l
     return notes
 
 
-def _sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Flat coordinates (m, 3, 2), mm: the underside below the skin, the rim continuing the skin outwards."""
+def sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lay out a sheet: the underside below the skin, the rim continuing the skin outwards.
+
+    Parameters
+    ----------
+    sheet
+        The sheet.
+    mesh
+        The skin that it was made from.
+    uv
+        Flat coordinates of the skin's vertices in mm, shape (n, 2).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Flat coordinates of the corners of the sheet's triangles in mm, shape (m, 3, 2).
+    """
     outward = np.zeros_like(uv)
     for loop in border_loops(mesh.triangles):
         along = uv[np.roll(loop, -1)] - uv[np.roll(loop, 1)]
