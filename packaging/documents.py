@@ -1,11 +1,10 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
-problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md` from
-the flap library and its last atlas, and
-`docs/robustness.md` from its last results. Both check that every relative link and picture of every Markdown file of
-the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The exit status is 1 if a
-page is out of date or a link leads nowhere.
+problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md`
+from the flap library and its last atlas, and `docs/robustness.md` from its last results. Both check that every
+relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a heading.
+`--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations

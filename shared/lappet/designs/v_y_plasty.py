@@ -65,7 +65,7 @@ def v_y_plasty(
     plane = DesignPlane.at(center, skin_axes(direction, normal, "v_y_plasty"), mirrored, project)
     tip, there = np.array([-0.5 * length, 0.0]), np.array([(advance - 0.5) * length, 0.0])
     flap = np.array([0.15 * length, 0.0])
-    seams, stem, ends = [], [], []
+    seams, stem, ends, corners = [], [], [], []
     for sign, name in ((1.0, "left"), (-1.0, "right")):
         base = np.array([0.5 * length, 0.5 * sign * width * length])
         arm = segment(tip, base)
@@ -74,13 +74,13 @@ def v_y_plasty(
         stem.append(plane.edge_beside(part(arm, 0.0, used), beyond))
         rest = part(arm, used, length_of(arm))
         seams.append(Seam(name, (plane.edge_beside(arm, flap), plane.edge_beside(rest, beyond))))
-        ends.append((base, rest[0], beyond))
-    lip, beyond = ends[0][1:]
+        ends.append(base)
+        corners.append(Corner(f"tip_{name}", plane.spot(tip, flap), plane.spot(rest[0], rest[0] + 0.2 * beyond)))
     return FlapDesign(
         (),
-        (plane.points(polyline(ends[0][0], tip, ends[1][0])),),
+        (plane.points(polyline(ends[0], tip, ends[1])),),
         (Seam("donor_stem", (stem[0], stem[1])), *seams),
-        (Corner("tip", plane.spot(tip, flap), plane.spot(lip, lip + 0.2 * beyond)),),
+        tuple(corners),
         (Carry("tip", plane.spot(tip, flap), None, Spot(plane.point(there), plane.point(flap + there - tip))),),
         (plane.point(flap),),
     )
