@@ -48,6 +48,7 @@ FOLDERS = (
     "designs",
     "models",
     "cutting",
+    "anatomy",
     "program",
     "daemon",
     "solve",

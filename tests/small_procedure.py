@@ -156,6 +156,7 @@ class FakeSession:
             tension=np.full(n, 0.3, np.float32),
             landmark_index=self._landmarks.index,
             landmarks=self._landmarks.points + lift,
+            vessel_points=self._landmarks.vessel_points + lift,
             hook_index=frame.hook_index,
             hook_points=frame.hook_anchors.copy(),
             hook_forces=np.full((hooks, 3), 2.0),

@@ -20,6 +20,7 @@ from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
 from .skin_line_values import set_skin_line
+from .vessel_values import set_vessel
 
 
 def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[Problem]:
@@ -49,6 +50,8 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
         set_material(scene, scene.lappet.materials.add(), material)
     for line in procedure.skin_lines:
         set_skin_line(scene.lappet.skin_lines.add(), line)
+    for vessel in procedure.vessels:
+        set_vessel(scene.lappet.vessels.add(), vessel)
     for region in tissue.regions:
         set_region(scene.lappet.regions.add(), region)
     _events(scene, procedure)
@@ -68,7 +71,7 @@ def _polygons(mesh: Tissue | Bone) -> tuple[NDArray[np.float64], NDArray[np.int3
 def _clear(scene: bpy.types.Scene) -> None:
     while len(scene.lappet.events):
         remove_event(scene, scene.lappet.events[-1])
-    for name in ("bones", "materials", "regions", "skin_lines"):
+    for name in ("bones", "materials", "regions", "skin_lines", "vessels"):
         getattr(scene.lappet, name).clear()
 
 

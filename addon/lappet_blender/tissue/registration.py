@@ -18,6 +18,7 @@ from . import (
     tissue_check,
     tissue_operators,
     tissue_panel,
+    vessel_operators,
 )
 
 CLASSES = (
@@ -26,6 +27,7 @@ CLASSES = (
     *bone_operators.CLASSES,
     *material_operators.CLASSES,
     *skin_line_operators.CLASSES,
+    *vessel_operators.CLASSES,
     *repair_operators.CLASSES,
     *check_operator.CLASSES,
     *tissue_panel.CLASSES,

@@ -10,7 +10,9 @@ from typing import Any
 import click
 
 from lappet.commands.check_command import check
+from lappet.commands.compare_command import compare
 from lappet.commands.demo_command import demo
+from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
@@ -51,5 +53,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, new, models, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, compare, new, models, flap, report, keys):
     cli.add_command(_command)

@@ -27,6 +27,7 @@ from lappet.procedure.procedure import Procedure
 from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Roller, Tissue
+from lappet.procedure.vessel import VESSEL_KINDS, Vessel, VesselKind
 
 __all__ = [
     "CUTS",
@@ -37,6 +38,7 @@ __all__ = [
     "MODELS",
     "POSITIONS",
     "SCENERY_KINDS",
+    "VESSEL_KINDS",
     "Basis",
     "Bone",
     "Event",
@@ -60,5 +62,7 @@ __all__ = [
     "Tissue",
     "Traction",
     "Undermine",
+    "Vessel",
+    "VesselKind",
     "position_of",
 ]

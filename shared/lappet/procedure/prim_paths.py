@@ -17,6 +17,7 @@ MATERIALS = f"{ROOT}/Materials"
 SKIN_LINES = f"{ROOT}/SkinLines"
 
 
+ANATOMY = f"{ROOT}/Anatomy"
 SCENERY = f"{ROOT}/Scenery"
 
 

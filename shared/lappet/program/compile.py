@@ -10,13 +10,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.vessel_crossings import VesselCrossing, crossing_warnings, vessel_crossings
+from lappet.anatomy.vessel_pieces import VesselCutter, VesselPieces, vessel_course
 from lappet.core.problem import Place, Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Section, Suture
 from lappet.procedure.prim_paths import ROOT
-from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
+from lappet.program.anchors import OFF_TISSUE, AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.boundary import with_boundaries
 from lappet.program.crossed_sutures import crossed_sutures
@@ -26,6 +29,8 @@ from lappet.program.materials import activation, materials_in_use, parameters, r
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
+from lappet.tissue.rest_space import RestSpace
+from lappet.tissue.surface import tissue_surface
 
 DEFAULT = SolverSettings()
 
@@ -83,6 +88,7 @@ def compile_program(
     loss = TissueLoss(procedure)
     _refuse_off_tissue(procedure, loss)
     off = loss.distance(events.anchors())
+    vessels, crossings = _vessels(procedure, epochs, spacing)
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
@@ -91,7 +97,7 @@ def compile_program(
         own = own_times[epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
         in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
-        landmarks.append(in_tissue.landmarks())
+        landmarks.append(in_tissue.landmarks(vessels[epoch.index]))
         anchors_of = in_tissue.event_anchors(own)
         moved.update((each, None) for each in in_tissue.moved(own))
         for time in own:
@@ -113,9 +119,26 @@ def compile_program(
         sections=_section_labels(events.sections),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
+        vessels=procedure.vessels,
+        vessels_at=tuple(vessels.values()),
+        vessel_crossings=crossings,
         bones=bones,
-        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing)),
+        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing), *crossing_warnings(procedure, crossings)),
     )
+
+
+def _vessels(
+    procedure: Procedure, epochs: Sequence[Epoch], spacing: float
+) -> tuple[dict[int, VesselPieces], tuple[VesselCrossing, ...]]:
+    """What each epoch's tissue holds of the vessels, by its index, and where incisions divide them."""
+    if not procedure.vessels:
+        return {epoch.index: VesselPieces() for epoch in epochs}, ()
+    uncut = tissue_surface(procedure.tissue)
+    tissue, surface = RestSpace(uncut.points, uncut.triangles), ClosestPoint(uncut.points, uncut.triangles)
+    most = OFF_TISSUE * procedure.tissue.spacing
+    courses = [vessel_course(vessel, tissue, surface, spacing, most) for vessel in procedure.vessels]
+    pieces = {epoch.index: VesselCutter(epoch.surface, spacing).pieces(courses) for epoch in epochs}
+    return pieces, tuple(vessel_crossings(procedure, uncut, epochs, list(pieces.values())))
 
 
 def _with_tissue(
@@ -218,11 +241,12 @@ class _AnchorsInTissue:
             row += len(points)
         return said
 
-    def landmarks(self) -> Landmarks:
-        """The landmarks that have their tissue."""
+    def landmarks(self, vessels: VesselPieces) -> Landmarks:
+        """The landmarks that have their tissue, with the pieces of vessels."""
         placed, lost = self.placed[self.events.mark_rows], self.lost[self.events.mark_rows]
         kept = np.flatnonzero(~lost)
-        return Landmarks(kept.astype(np.int32), placed.point[kept], placed.triangle[kept])
+        own = kept.astype(np.int32), placed.point[kept], placed.triangle[kept]
+        return Landmarks(*own, vessels.points, vessels.triangles)
 
     def event_anchors(self, own: Sequence[int]) -> EventAnchors:
         """The anchors of the hooks and sutures that act in the epoch's own frames."""

@@ -186,7 +186,8 @@ def _shape(mesh: Mesh, closed: bool) -> list[Note]:
     longest = ", ".join(f"{each:.3g}" for each in lengths[:_MOST_LENGTHS]) + (
         ", …" if len(loops) > _MOST_LENGTHS else ""
     )
-    notes = [found("surface", "watertight" if closed else f"open: {len(loops)} borders of {longest} mm")]
+    count = f"{len(loops)} border" + "s" * (len(loops) != 1)
+    notes = [found("surface", "watertight" if closed else f"open: {count} of {longest} mm")]
     part = parts_of(mesh.triangles, len(mesh.points))
     parts = int(part.max()) + 1
     if parts > 1:

@@ -13,7 +13,20 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import SCENERY_KINDS, Bone, Material, Point, Procedure, Region, Roller, Scenery, SkinLine, Tissue
+from lappet.procedure import (
+    SCENERY_KINDS,
+    Bone,
+    Material,
+    Point,
+    Procedure,
+    Region,
+    Roller,
+    Scenery,
+    SkinLine,
+    Tissue,
+    Vessel,
+    VesselKind,
+)
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
@@ -24,6 +37,7 @@ PRIM_TYPES = {
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
     "LappetSkinLineAPI": "BasisCurves",
+    "LappetVesselAPI": "BasisCurves",
     "LappetSceneryAPI": "Mesh",
     **EVENT_PRIMS,
 }
@@ -69,6 +83,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         events=events,
         bones=bones,
         skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
+        vessels=tuple(_vessel(reader, prim) for prim in found["LappetVesselAPI"]),
         scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
         start_time=start,
         end_time=end,
@@ -80,7 +95,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
-    found |= {"LappetSkinLineAPI": [], "LappetSceneryAPI": []}
+    found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": []}
     found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
@@ -222,6 +237,21 @@ def _skin_line(reader: Reader, prim: Any) -> SkinLine:
     along, across = reader.vector(prim, "lappet:tension", 2, (np.inf, np.inf))
     tension = None if np.isposinf(along) and np.isposinf(across) else (along, across)
     return SkinLine(prim.GetName(), points, tension, basis)
+
+
+def _vessel(reader: Reader, prim: Any) -> Vessel:
+    points, basis, closed = read_curve(reader, prim)
+    if closed:
+        points = (*points, points[0])
+    return Vessel(
+        prim.GetName(),
+        points,
+        cast(VesselKind, reader.text(prim, "lappet:kind", Vessel.kind)),
+        reader.number(prim, "lappet:radius", Vessel.radius),
+        reader.text(prim, "lappet:label", ""),
+        reader.flag(prim, "lappet:typicalCourse", Vessel.typical_course),
+        basis,
+    )
 
 
 def _material(reader: Reader, prim: Any) -> Material:
