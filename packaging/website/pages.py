@@ -31,6 +31,7 @@ CONTENTS = (
             "docs/sharing_a_daemon.md",
             "examples/README.md",
             "docs/materials.md",
+            "docs/anatomy.md",
             "docs/tissues.md",
             "docs/problem*.md",
             "docs/reports.md",
