@@ -46,6 +46,7 @@ FOLDERS = (
     "tissue",
     "checks",
     "designs",
+    "models",
     "cutting",
     "anatomy",
     "program",

@@ -76,7 +76,7 @@ def scalp(spacing: float) -> tuple[Tissue, list[str]]:
             file, THICKNESS, sphere=(point(middle), REACH), spacing=spacing, units="mm", resolution=RESOLUTION
         )
     rounded = np.round(tissue.points, 4)
-    return replace(tissue, points=rounded, uv=None if tissue.uv is None else np.round(tissue.uv, 5)), found
+    return replace(tissue, points=rounded, uv=None if tissue.uv is None else np.round(tissue.uv, 5)), found.lines
 
 
 @dataclass(frozen=True)

@@ -237,3 +237,28 @@ def test_public_names_are_there_and_importing_the_package_is_light() -> None:
     code = f"import sys, lappet; print([name for name in {HEAVY!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "[]"
+
+
+def test_new_takes_the_skin_around_a_point_and_says_what_it_found_repaired_and_took(tmp_path: Path) -> None:
+    import trimesh
+
+    trimesh.creation.icosphere(subdivisions=4, radius=80.0).export(tmp_path / "head.stl")
+    done = run(
+        *("new", tmp_path / "head.stl", "-o", tmp_path / "p.usda", "--units", "mm"),
+        *("--at", "0", "0", "80", "--radius", "20", "--thickness", "4"),
+    )
+    assert done.exit_code == 0, done.output
+    for words in ("found", "watertight", "repaired", "merged vertices", "taken", "20 mm of (0, 0, 80)", "thickness"):
+        assert words in done.stdout
+    tissue = read_procedure(tmp_path / "p.usda").tissue
+    assert np.linalg.norm(tissue.points - (0.0, 0.0, 80.0), axis=1).max() < 21.0
+
+
+@pytest.mark.parametrize("half", [("--at", "0", "0", "80"), ("--radius", "20")])
+def test_a_point_without_a_radius_and_a_radius_without_a_point_are_refused(
+    tmp_path: Path, half: tuple[str, ...]
+) -> None:
+    done = run("new", tmp_path / "head.stl", "-o", tmp_path / "p.usda", "--thickness", "4", *half)
+    assert done.exit_code == 1
+    assert is_one_sentence(done.stderr), done.stderr
+    assert "--at X Y Z --radius MM" in done.stderr

@@ -34,9 +34,9 @@ def test_the_outer_wall_is_taken_though_the_inner_one_is_larger_and_nearer(hollo
     assert abs(CENTER[2] - INNER) < abs(CENTER[2] - OUTER)
     tissue, lines = new_tissue(hollow_head, thickness=2.0, sphere=(CENTER, RADIUS), units="mm")
     assert np.linalg.norm(tissue.points, axis=1).max() == pytest.approx(OUTER, rel=1e-3)
-    (line,) = [each for each in lines if "separate parts" in each]
+    (line,) = [each for each in lines.lines if "taken: part" in each]
     assert f"{cap_area(OUTER):.0f}"[:2] in line
-    assert "of 2 separate parts in the region kept the one that faces outwards nearest to its center" in line
+    assert "of 2 the one that faces outwards nearest to the region's center" in line
 
 
 def test_of_two_parts_that_face_outwards_the_nearer_one_is_taken(tmp_path: Path) -> None:
@@ -80,4 +80,8 @@ def test_a_part_that_is_turned_against_the_one_around_it_bounds_a_cavity(
     triangles = tissue.face_vertex_indices.reshape(-1, 3)
     volume = trimesh.Trimesh(tissue.points, triangles, process=False).volume
     assert volume == pytest.approx(4 / 3 * np.pi * sum(sign * radius**3 for radius, sign in radii_of_tissue), rel=0.01)
-    assert [said in line for line in lines if "closed tissue" in line] == [True] if said else "cavit" not in str(lines)
+    assert (
+        [said in line for line in lines.lines if "tissue: closed" in line] == [True]
+        if said
+        else "cavit" not in str(lines)
+    )

@@ -60,11 +60,11 @@ def test_a_closed_mesh_is_taken_as_it_is(ball):
     assert volume(surface) == pytest.approx(4.0 / 3.0 * np.pi * RADIUS**3, rel=0.01)
     assert len(surface.triangles) == 5120
     assert not tissue.subsets
-    report = "\n".join(lines)
+    report = "\n".join(lines.lines)
     assert "5120 triangles" in report
     assert "180 x 180 x 180 mm" in report
     assert "watertight" in report
-    assert "units guessed: mm" in report
+    assert "units: mm, guessed" in report
     assert "merged" in report
     assert np.array_equal(tissue.points, tissue.points.astype(np.float32))
     assert tissue.spacing == pytest.approx(4.2, abs=0.3)
@@ -96,15 +96,15 @@ def test_a_usd_mesh_is_read_in_its_units_and_placement(tmp_path):
     tissue, lines = new_tissue(tmp_path / "box.usda")
     assert volume(tissue_surface(tissue)) == pytest.approx(60_000.0, rel=1e-5)
     assert tissue.points[:, 2].min() == pytest.approx(75.0)
-    assert any("0.01 m per unit" in line for line in lines)
+    assert any("0.01 m per unit" in line for line in lines.lines)
 
 
-@pytest.mark.parametrize(("factor", "guess"), [(0.001, "m"), (0.1, "cm"), (1.0, "mm")])
+@pytest.mark.parametrize(("factor", "guess"), [(0.001, "m"), (0.1, "cm"), (1 / 25.4, "in"), (1.0, "mm")])
 def test_units_are_guessed_from_the_size_of_a_head(tmp_path, factor, guess):
     head = trimesh.creation.icosphere(subdivisions=2, radius=120.0 * factor)
     tissue, lines = new_tissue(save(head, tmp_path / "head.ply"))
     assert np.ptp(tissue.points[:, 2]) == pytest.approx(240.0, rel=1e-4)
-    assert f"units guessed: {guess}," in "\n".join(lines)
+    assert f"units: {guess}, guessed" in "\n".join(lines.lines)
 
 
 def test_a_region_of_a_closed_surface_becomes_a_sheet_with_a_round_rim(ball):
@@ -121,7 +121,7 @@ def test_a_region_of_a_closed_surface_becomes_a_sheet_with_a_round_rim(ball):
     assert surface.fixed.sum() == (surface.origin == FaceOrigin.RIM).sum()
     assert (surface.bed == (surface.origin == FaceOrigin.UNDERSIDE)).all()
     assert tissue.spacing == pytest.approx(1.25, abs=0.06)
-    assert any("thickened by 5 mm" in line for line in lines)
+    assert any("thickness: 5 mm" in line for line in lines.lines)
 
 
 def test_a_box_cuts_a_region_too(ball):
@@ -164,8 +164,8 @@ def test_flipped_faces_doubles_and_small_holes_are_repaired_and_named(tmp_path):
     tissue, lines = new_tissue(save(broken, tmp_path / "broken.ply"), units="mm")
     assert_closed(tissue_surface(tissue))
     assert volume(tissue_surface(tissue)) == pytest.approx(mesh.volume, rel=1e-3)
-    report = "\n".join(lines)
-    for words in ("turned 30 faces", "1 degenerate", "1 faces that were there twice", "filled 1 small holes"):
+    report = "\n".join(lines.lines)
+    for words in ("flipped normals: 30 faces", "degenerate faces: 1", "doubled faces: 1", "small holes: 1 filled"):
         assert words in report
 
 
@@ -174,10 +174,10 @@ def test_a_sheet_with_a_small_hole_is_filled_and_one_with_a_large_hole_keeps_a_r
     middle = mesh.triangles_center
     small = trimesh.Trimesh(mesh.vertices, mesh.faces[np.abs(middle[:, :2]).max(axis=1) > 1.9], process=False)
     _, lines = new_tissue(save(small, tmp_path / "small.ply"), thickness=3.0, units="mm")
-    assert any("filled 1 small holes" in line for line in lines)
+    assert any("small holes: 1 filled" in line for line in lines.lines)
     large = trimesh.Trimesh(mesh.vertices, mesh.faces[np.abs(middle[:, :2]).max(axis=1) > 9.9], process=False)
     tissue, lines = new_tissue(save(large, tmp_path / "large.ply"), thickness=3.0, units="mm")
-    assert any("2 borders" in line for line in lines)
+    assert any("borders: 2" in line for line in lines.lines)
     assert volume(tissue_surface(tissue)) == pytest.approx((1600.0 - 400.0) * 3.0, rel=1e-3)
 
 
@@ -208,7 +208,7 @@ def test_what_cannot_be_mended_is_refused_with_the_place(tmp_path, ball):
     text.write_text("nothing here\n")
     half = save(hemisphere, tmp_path / "half.ply")
     two, strip = save(_two_spheres(), tmp_path / "two.ply"), save(_moebius(), tmp_path / "strip.ply")
-    tight = save(sheet(size=20.0, bend=1 / 4.0), tmp_path / "tight.ply")
+    creased = save(sheet(size=60.0, bend=1 / 8.0), tmp_path / "creased.ply")
     cases = [
         (lambda: new_tissue(tmp_path / "none.obj"), ProblemCode.FILE_MISSING, False),
         (lambda: new_tissue(text), None, False),
@@ -216,13 +216,14 @@ def test_what_cannot_be_mended_is_refused_with_the_place(tmp_path, ball):
         (lambda: new_tissue(ball, thickness=-1.0), ProblemCode.LENGTH_NOT_POSITIVE, False),
         (lambda: new_tissue(ball, spacing=0.0), ProblemCode.LENGTH_NOT_POSITIVE, False),
         (lambda: new_tissue(ball, thickness=4.0), ProblemCode.SHEET_OF_CLOSED_SURFACE, False),
-        (lambda: new_tissue(ball, sphere=((0, 0, 90), 40.0)), ProblemCode.REGION_NEEDS_THICKNESS, False),
+        (lambda: new_tissue(half, sphere=((0, 0, 50), 20.0), units="mm"), ProblemCode.REGION_NEEDS_THICKNESS, False),
         (lambda: new_tissue(ball, 4.0, sphere=((0, 0, 300), 40.0)), ProblemCode.REGION_EMPTY, False),
         (lambda: new_tissue(ball, 4.0, sphere=((0, 0, 0), 400.0)), ProblemCode.REGION_WHOLE_SURFACE, False),
         (lambda: new_tissue(half, units="mm"), ProblemCode.MESH_LARGE_HOLE, True),
         (lambda: new_tissue(two, units="mm"), ProblemCode.MESH_SELF_INTERSECTING, True),
         (lambda: new_tissue(strip, thickness=1.0, units="mm"), ProblemCode.MESH_NOT_ORIENTED, True),
-        (lambda: new_tissue(tight, thickness=6.0, units="mm"), ProblemCode.SHEET_FOLDS, True),
+        (lambda: new_tissue(creased, thickness=6.0, units="mm"), ProblemCode.MESH_SELF_INTERSECTING, True),
+        (lambda: new_tissue(ball, 4.0, at=((0, 0, 300), 40.0)), ProblemCode.REGION_POINT_OFF_SURFACE, False),
     ]
     for act, code, placed in cases:
         with pytest.raises(RefusedError) as refusal:

@@ -12,9 +12,9 @@ from lappet.geometry.mesh_faults import refuse_unreadable
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangles import areas
 from lappet.geometry.triangulation import triangulate
+from lappet.tissue.chosen_spacing import chosen_spacing
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.presets import PRESETS
-from lappet.tissue.tissue_from_mesh import chosen_spacing
 
 from ..model.material_values import set_material
 from ..model.mesh_values import MeshValues, mesh_values

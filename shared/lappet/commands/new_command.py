@@ -20,6 +20,10 @@ from lappet.commands.refusals import sentences
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed if left out.")
 @gravity_options("9.81")
+@click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Take the skin around a point, in mm; with --radius.")
+@click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin.")
+@click.option("--outline", type=FILE, help="Take the skin inside an outline: a JSON list of points [x, y, z] in mm.")
+@click.option("--resolution", type=float, help="Divide edges of a region down to this, in mm; as the thickness.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @reading_options
@@ -29,6 +33,9 @@ def new(
     /,
     mesh: Path,
     output: Path,
+    at: tuple[float, float, float] | None,
+    radius: float | None,
+    outline: Path | None,
     sphere: tuple[float, ...] | None,
     box: tuple[float, ...] | None,
     position: tuple[float, float, float] | None,
@@ -37,18 +44,24 @@ def new(
 ) -> None:
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
-        from lappet.core.printable import printable
+        from lappet.commands.report_table import print_report
+        from lappet.core.problem import refused
+        from lappet.core.problem_code import ProblemCode
         from lappet.procedure import Procedure
+        from lappet.tissue.outline_file import read_outline
         from lappet.tissue.tissue_from_mesh import new_tissue
         from lappet.usd.stage import write_procedure
 
-        tissue, found = new_tissue(
+        if (at is None) != (radius is None):
+            raise refused(ProblemCode.REGION_AT_AND_RADIUS, mesh.name)
+        tissue, report = new_tissue(
             mesh,
+            outline=None if outline is None else read_outline(outline),
+            at=(at, radius) if at is not None and radius is not None else None,
             sphere=(sphere[:3], sphere[3]) if sphere else None,
             box=(box[:3], box[3:]) if box else None,
             **options,
         )
         write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
-        for line in found:
-            click.echo(printable(line))
+        print_report(report)
         click.echo(f"Written: {output}")

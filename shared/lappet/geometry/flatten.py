@@ -5,18 +5,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.border_loops import border_loops
+from lappet.geometry.connected_parts import parts_of
+from lappet.geometry.injective_layout import injective_layout, signed_areas
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, unique_edges
+from lappet.geometry.triangles import areas
 
 _ROUNDS = 400
+_LEAST_AREA = 0.02  # of a triangle's: one that is smaller in the plane counts as turned over
+_KEPT = 0.4  # of the patch's reach: lengths matter within, and less and less beyond
+_MIDDLE = 0.1  # of the points, those nearest to the middle: there a second layout is placed as the first
 
 
 def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
     """Flatten a patch to the plane with little distortion.
 
     The patch is laid out by the azimuthal equidistant projection of the sphere that fits it best, seen from its middle;
-    then springs along the edges relax towards their true lengths. x runs along the widest direction of the coordinate
-    axes, y to its left seen from outside.
+    then springs along the edges relax towards their true lengths. Where that turns triangles over, as at a nose, the
+    patch is laid out without (`lappet.geometry.injective_layout`), if it has a border and no handle; lengths are kept
+    best near its middle. x runs along the
+    widest direction of the coordinate axes, y to its left seen from outside.
 
     Parameters
     ----------
@@ -60,7 +69,32 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
             axis=1,
         )
         uv = uv + 1.6 * step / total[:, None]
-    return np.asarray(uv)
+    return np.asarray(uv) if _whole(uv, points, triangles) else _without_turned(uv, chord, points, triangles)
+
+
+def _whole(uv: NDArray[np.float64], points: NDArray[np.float64], triangles: NDArray[np.int64]) -> bool:
+    return bool((signed_areas(uv, triangles) > _LEAST_AREA * areas(points[triangles])).all())
+
+
+def _without_turned(
+    uv: NDArray[np.float64], away: NDArray[np.float64], points: NDArray[np.float64], triangles: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """A layout without turned triangles, placed as `uv` is near the middle, from which the points are `away` (n,)."""
+    edges, _, uses = unique_edges(directed_edges(triangles))
+    parts = int(parts_of(triangles, len(points)).max()) + 1
+    # Euler's characteristic of a disc with holes: 2 less one for each border.
+    round_ = len(points) - len(edges) + len(triangles) == 2 - len(border_loops(triangles))
+    if parts > 1 or uses.max() > 2 or not (uses == 1).any() or not round_:
+        return uv
+    far = away[triangles].mean(axis=1) / max(float(away.max()), 1e-300)
+    layout = injective_layout(points, triangles, 1.0 / (1.0 + (far / _KEPT) ** 4))
+    if not (signed_areas(layout, triangles) > 0.0).all():
+        return uv
+    near = away <= np.quantile(away, _MIDDLE)
+    middle, before = layout[near].mean(axis=0), uv[near].mean(axis=0)
+    u, _, v = np.linalg.svd((layout[near] - middle).T @ (uv[near] - before))
+    turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ v))]) @ v
+    return np.asarray((layout - middle) @ turn + before)
 
 
 def _sphere_radius(points: NDArray[np.float64]) -> float:

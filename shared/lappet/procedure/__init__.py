@@ -24,6 +24,7 @@ from lappet.procedure.events import (
 from lappet.procedure.exact_values import Point
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
+from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Roller, Tissue
 from lappet.procedure.vessel import VESSEL_KINDS, Vessel, VesselKind
@@ -36,6 +37,7 @@ __all__ = [
     "MEASURES",
     "MODELS",
     "POSITIONS",
+    "SCENERY_KINDS",
     "VESSEL_KINDS",
     "Basis",
     "Bone",
@@ -51,6 +53,8 @@ __all__ = [
     "Region",
     "Retractor",
     "Roller",
+    "Scenery",
+    "SceneryKind",
     "Section",
     "SkinLine",
     "Suture",

@@ -18,6 +18,7 @@ SKIN_LINES = f"{ROOT}/SkinLines"
 
 
 ANATOMY = f"{ROOT}/Anatomy"
+SCENERY = f"{ROOT}/Scenery"
 
 
 TIMELINE = f"{ROOT}/Timeline"

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
+from lappet.procedure.scenery import Scenery
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
 from lappet.procedure.tissue import DEFAULT_SKIN, Bone, Material, Tissue
@@ -44,6 +45,8 @@ class Procedure:
         everywhere.
     vessels
         Vessels and nerves in the tissue.
+    scenery
+        Meshes that are shown around the tissue and not solved.
 
     Examples
     --------
@@ -64,6 +67,7 @@ class Procedure:
     fps: float = 24.0
     skin_lines: tuple[SkinLine, ...] = ()
     vessels: tuple[Vessel, ...] = ()
+    scenery: tuple[Scenery, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -160,6 +164,7 @@ class Procedure:
             and self.bones == other.bones
             and self.skin_lines == other.skin_lines
             and self.vessels == other.vessels
+            and self.scenery == other.scenery
             and self.tissue == other.tissue
         )
 

@@ -40,6 +40,8 @@ def storyboard(procedure: Procedure) -> str:
     lines += [f"  material   {_material(material)}" for material in procedure.materials]
     for bone in procedure.bones:
         lines.append(f"  bone       {bone.name}: {len(bone.face_vertex_counts)} faces, {_size(bone.points)}")
+    for each in procedure.scenery:
+        lines.append(f"  scenery    {each.name}: {each.kind}, {len(each.face_vertex_counts)} faces")
     lines += [f"  region     {_region(region)}" for region in tissue.regions]
     lines += [f"  {vessel.kind:<9}  {_vessel(vessel)}" for vessel in procedure.vessels]
     if tissue.subsets:

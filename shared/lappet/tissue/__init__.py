@@ -11,9 +11,24 @@ if TYPE_CHECKING:
     from lappet.tissue.patch import flat_patch
     from lappet.tissue.placement import Place, onto
     from lappet.tissue.skin_sheet import SkinSheet
-    from lappet.tissue.tissue_from_mesh import new_tissue
+    from lappet.tissue.surgical_field import Box, Disc, Outline, Sphere
+    from lappet.tissue.tissue_from_mesh import new_tissue, tissue_of_mesh
 
-__all__ = ["Place", "SkinSheet", "dome_bone", "dome_scalp", "draped", "flat_patch", "new_tissue", "onto"]
+__all__ = [
+    "Box",
+    "Disc",
+    "Outline",
+    "Place",
+    "SkinSheet",
+    "Sphere",
+    "dome_bone",
+    "dome_scalp",
+    "draped",
+    "flat_patch",
+    "new_tissue",
+    "onto",
+    "tissue_of_mesh",
+]
 
 __getattr__, __dir__ = lazy_exports(
     __name__,
@@ -22,6 +37,7 @@ __getattr__, __dir__ = lazy_exports(
         "patch": ("flat_patch",),
         "placement": ("Place", "onto"),
         "skin_sheet": ("SkinSheet",),
-        "tissue_from_mesh": ("new_tissue",),
+        "surgical_field": ("Box", "Disc", "Outline", "Sphere"),
+        "tissue_from_mesh": ("new_tissue", "tissue_of_mesh"),
     },
 )

@@ -1,8 +1,10 @@
-"""Cut a region out of a surface: inside a sphere or a box, with a clean border on its faces."""
+"""Cut a region out of a surface, with a clean border on its faces; its texture coordinates ride along."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +12,10 @@ from numpy.typing import NDArray
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, unique_edges
 from lappet.geometry.triangles import directions
+from lappet.tissue.mesh_file import Mesh
 
 Level = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+_MOST_TRIANGLES = 200_000  # a surface that has more is refined no further
 _SNAP = 0.2  # of an edge: a vertex nearer to the border than this is moved onto it
 
 
@@ -56,9 +60,7 @@ def box_levels(low: Sequence[float], high: Sequence[float]) -> list[Level]:
     return [f for k in range(3) for f in (side(k, float(low[k]), -1.0), side(k, float(high[k]), 1.0))]
 
 
-def refine_smoothly(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], length: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64], float]:
+def refine_smoothly(mesh: Mesh, length: float) -> tuple[Mesh, float]:
     """Quarter all triangles until their edges are short enough, with the new vertices on a smooth surface.
 
     A new vertex is the middle of its edge on the cubic of the curved point-normal triangle (Vlachos et al. 2001); old
@@ -66,25 +68,24 @@ def refine_smoothly(
 
     Parameters
     ----------
-    points
-        Vertices in mm, shape (n, 3).
-    triangles
-        Vertex indices, shape (m, 3).
+    mesh
+        The mesh.
     length
         Length of the edges in mm, on the average, at most.
 
     Returns
     -------
-    tuple[NDArray[np.float64], NDArray[np.int64], float]
-        Vertices, vertex indices, and how far the farthest new vertex left its edge in mm.
+    tuple[Mesh, float]
+        The refined mesh, and how far the farthest new vertex left its edge in mm.
     """
+    points, triangles, uv = mesh.points, mesh.triangles, mesh.uv
     moved = 0.0
     while True:
         edges, inverse, counts = unique_edges(directed_edges(triangles))
         a, b = points[edges[:, 0]], points[edges[:, 1]]
         lengths = np.linalg.norm(b - a, axis=1)
-        if float(np.median(lengths)) <= length or len(triangles) > 200_000:
-            return points, triangles, moved
+        if float(np.median(lengths)) <= length or len(triangles) > _MOST_TRIANGLES:
+            return Mesh(points, triangles, uv), moved
         corner = corner_normals(points, triangles)
         normals = np.zeros_like(points)
         np.add.at(normals, triangles.reshape(-1), corner.reshape(-1, 3))
@@ -97,129 +98,197 @@ def refine_smoothly(
         n, m = len(points), len(triangles)
         points = np.concatenate([points, 0.5 * (a + b) + rise])
         m01, m12, m20 = (n + inverse[k * m : (k + 1) * m] for k in range(3))
-        v0, v1, v2 = triangles.T
-        triangles = np.stack(
-            [
-                np.stack([v0, m01, m20], 1),
-                np.stack([m01, v1, m12], 1),
-                np.stack([m20, m12, v2], 1),
-                np.stack([m01, m12, m20], 1),
-            ],
-            axis=1,
-        ).reshape(-1, 3)
+        triangles = _quarters(*triangles.T, m01, m12, m20)
+        if uv is not None:
+            t0, t1, t2 = uv.swapaxes(0, 1)
+            uv = _quarters(t0, t1, t2, 0.5 * (t0 + t1), 0.5 * (t1 + t2), 0.5 * (t2 + t0))
 
 
-def near(points: NDArray[np.float64], triangles: NDArray[np.int64], levels: list[Level]) -> NDArray[np.int64]:
-    """Find the triangles that may reach inside: those whose bounding sphere meets the region.
+def _quarters(*corners: NDArray[Any]) -> NDArray[Any]:
+    """What the corners of quartered triangles have, from that of the three corners and the three middles of edges."""
+    v0, v1, v2, m01, m12, m20 = corners
+    parts = ((v0, m01, m20), (m01, v1, m12), (m20, m12, v2), (m01, m12, m20))
+    quarters = np.stack([np.stack(part, axis=1) for part in parts], axis=1)
+    return quarters.reshape(-1, *quarters.shape[2:])
+
+
+def near(mesh: Mesh, levels: Sequence[Level]) -> Mesh:
+    """Keep the triangles that may reach inside: those whose bounding sphere meets the region.
 
     Parameters
     ----------
-    points
-        Vertices in mm, shape (n, 3).
-    triangles
-        Vertex indices, shape (m, 3).
+    mesh
+        The mesh.
     levels
         Signed distances, all negative inside.
 
     Returns
     -------
-    NDArray[np.int64]
-        Vertex indices of these triangles, shape (k, 3).
+    Mesh
+        These triangles and their vertices.
     """
-    corners = points[triangles]
+    corners = mesh.points[mesh.triangles]
     middle = corners.mean(axis=1)
     reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
-    keep = np.ones(len(triangles), bool)
+    keep = np.ones(len(mesh.triangles), bool)
     for level in levels:
         keep &= level(middle) <= 2.0 * reach
-    return triangles[keep]
+    return mesh.part(keep)
 
 
-def crop(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], levels: list[Level]
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def crop(mesh: Mesh, levels: Sequence[Level]) -> Mesh:
     """Cut out the part of a surface where all levels are negative; triangles on the border are cut along it.
 
     Parameters
     ----------
-    points
-        Vertices in mm, shape (n, 3).
-    triangles
-        Vertex indices, shape (m, 3).
+    mesh
+        The mesh.
     levels
         Signed distances, all negative inside.
 
     Returns
     -------
-    tuple[NDArray[np.float64], NDArray[np.int64]]
-        Vertices in mm and vertex indices of the part.
+    Mesh
+        The part, without triangles where there is none.
     """
     for level in levels:
-        points, triangles = _crop_one(points, triangles, level)
-        if len(triangles) == 0:
+        mesh = _crop_one(mesh, level(mesh.points), partial(_zero, mesh.points, level))
+        if len(mesh.triangles) == 0:
             break
-    used, compact = np.unique(triangles, return_inverse=True)
-    return points[used], compact.reshape(-1, 3)
+    return mesh.part(np.ones(len(mesh.triangles), bool))
 
 
-def _crop_one(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], level: Level
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    value = level(points)
+def crop_by_values(mesh: Mesh, values: NDArray[np.float64]) -> Mesh:
+    """Cut out the part of a surface where values are negative, taken as linear along the edges.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    values
+        A finite value for each vertex, shape (n,).
+
+    Returns
+    -------
+    Mesh
+        The part, without triangles where there is none.
+    """
+
+    def zero(edges: NDArray[np.int64]) -> NDArray[np.float64]:
+        a, b = values[edges[:, 0]], values[edges[:, 1]]
+        return np.asarray(a / (a - b))
+
+    cut = _crop_one(mesh, values, zero)
+    return cut.part(np.ones(len(cut.triangles), bool))
+
+
+def _crop_one(mesh: Mesh, value: NDArray[np.float64], zero: Callable[[NDArray[np.int64]], NDArray[np.float64]]) -> Mesh:
+    """The part where the values are negative; `zero` says where along edges (k, 2) of the mesh they vanish."""
+    points, triangles = mesh.points, mesh.triangles
     edges = unique_edges(directed_edges(triangles))[0]
     crossing = edges[(value[edges[:, 0]] < 0.0) != (value[edges[:, 1]] < 0.0)]
-    at = _zero(points, crossing, level)
+    at = zero(crossing)
 
     # Vertices close to the border move onto it, along their nearest crossing edge.
-    ends = np.concatenate([crossing[:, 0], crossing[:, 1]])
+    ends, others = np.concatenate([crossing, crossing[:, ::-1]]).T
     fraction = np.concatenate([at, 1.0 - at])
-    place = points[crossing[:, 0]] + (points[crossing[:, 1]] - points[crossing[:, 0]]) * at[:, None]
-    place = np.concatenate([place, place])
     order = np.argsort(fraction, kind="stable")
     order = order[fraction[order] < _SNAP]
     snapped, first = np.unique(ends[order], return_index=True)
+    moved = order[first]
     points = points.copy()
-    points[snapped] = place[order[first]]
-    value = level(points)
+    points[snapped] += (mesh.points[others[moved]] - mesh.points[snapped]) * fraction[moved, None]
+    uv = None if mesh.uv is None else _uv_moved(mesh.uv, triangles, snapped, others[moved], fraction[moved])
+    value = value.copy()
     value[snapped] = 0.0
 
     inside, outside = value < 0.0, value > 0.0
-    crossing = edges[(inside[edges[:, 0]] & outside[edges[:, 1]]) | (outside[edges[:, 0]] & inside[edges[:, 1]])]
-    at = _zero(points, crossing, level)
-    n = len(points)
-    key = crossing[:, 0] * n + crossing[:, 1]
-    points = np.concatenate(
-        [points, points[crossing[:, 0]] + (points[crossing[:, 1]] - points[crossing[:, 0]]) * at[:, None]]
+    halved = (inside[crossing[:, 0]] & outside[crossing[:, 1]]) | (outside[crossing[:, 0]] & inside[crossing[:, 1]])
+    crossing, at = crossing[halved], at[halved]
+    mixed = inside[triangles].any(axis=1) & outside[triangles].any(axis=1)
+    kept = ~mixed & inside[triangles].any(axis=1)
+    new = {
+        (a, b): (len(points) + k, t) for k, ((a, b), t) in enumerate(zip(crossing.tolist(), at.tolist(), strict=True))
+    }
+    points = np.concatenate([points, _between(points[crossing[:, 0]], points[crossing[:, 1]], at[:, None])])
+    cut, cut_uv = _cut_triangles(points, triangles[mixed], None if uv is None else uv[mixed], outside, new)
+    return Mesh(
+        points,
+        np.concatenate([triangles[kept], cut]),
+        None if uv is None or cut_uv is None else np.concatenate([uv[kept], cut_uv]),
     )
 
-    kept = []
-    order = np.argsort(key, kind="stable")
-    new = dict(zip(key[order].tolist(), (n + order).tolist(), strict=True))
-    mixed = inside[triangles].any(axis=1) & outside[triangles].any(axis=1)
-    kept.append(triangles[~mixed & inside[triangles].any(axis=1)])
-    cut = []
-    for triangle in triangles[mixed].tolist():
+
+def _between(a: Any, b: Any, at: Any) -> Any:
+    return a + (b - a) * at
+
+
+def _uv_moved(
+    uv: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    moved: NDArray[np.int64],
+    towards: NDArray[np.int64],
+    fraction: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Texture coordinates where vertices move along edges: those that the edge's triangles have there move with them.
+
+    At a seam the coordinates on its other side stay.
+    """
+    uv = uv.copy()
+    owner = {vertex: k for k, vertex in enumerate(moved.tolist())}
+    rows, corners = np.nonzero(np.isin(triangles, moved))
+    before = uv.copy()
+    shift: dict[tuple[int, float, float], NDArray[np.float64]] = {}
+    for row, corner in zip(rows.tolist(), corners.tolist(), strict=True):
+        vertex = int(triangles[row, corner])
+        k = owner[vertex]
+        end = np.flatnonzero(triangles[row] == towards[k])
+        if len(end):
+            own = before[row, corner]
+            shift[vertex, float(own[0]), float(own[1])] = fraction[k] * (before[row, end[0]] - own)
+    for row, corner in zip(rows.tolist(), corners.tolist(), strict=True):
+        own = before[row, corner]
+        uv[row, corner] += shift.get((int(triangles[row, corner]), float(own[0]), float(own[1])), 0.0)
+    return uv
+
+
+def _cut_triangles(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    uv: NDArray[np.float64] | None,
+    outside: NDArray[np.bool_],
+    new: dict[tuple[int, int], tuple[int, float]],
+) -> tuple[NDArray[np.int64], NDArray[np.float64] | None]:
+    """The inner parts of triangles that the border crosses; `new` has the vertex on each crossed edge and where."""
+    cut: list[list[int]] = []
+    cut_uv: list[list[NDArray[np.float64]]] = []
+    for row, triangle in enumerate(triangles.tolist()):
         polygon: list[int] = []
+        texture: list[NDArray[np.float64]] = []
         for i in range(3):
-            a, b = triangle[i], triangle[(i + 1) % 3]
+            j = (i + 1) % 3
+            a, b = triangle[i], triangle[j]
             if not outside[a]:
                 polygon.append(a)
-            middle = new.get(min(a, b) * n + max(a, b))
+                texture += [] if uv is None else [uv[row, i]]
+            middle = new.get((min(a, b), max(a, b)))
             if middle is not None:
-                polygon.append(middle)
+                polygon.append(middle[0])
+                at = middle[1] if a < b else 1.0 - middle[1]
+                texture += [] if uv is None else [_between(uv[row, i], uv[row, j], at)]
         if len(polygon) == 3:
-            cut.append(polygon)
-        elif len(polygon) == 4:
+            parts = [(0, 1, 2)]
+        else:
             p = points[polygon]
-            if np.linalg.norm(p[0] - p[2]) <= np.linalg.norm(p[1] - p[3]):
-                cut += [[polygon[0], polygon[1], polygon[2]], [polygon[0], polygon[2], polygon[3]]]
-            else:
-                cut += [[polygon[1], polygon[2], polygon[3]], [polygon[1], polygon[3], polygon[0]]]
-    kept.append(np.array(cut, np.int64).reshape(-1, 3))
-    return points, np.concatenate(kept)
+            short = np.linalg.norm(p[0] - p[2]) <= np.linalg.norm(p[1] - p[3])
+            parts = [(0, 1, 2), (0, 2, 3)] if short else [(1, 2, 3), (1, 3, 0)]
+        cut += [[polygon[k] for k in part] for part in parts]
+        cut_uv += [] if uv is None else [[texture[k] for k in part] for part in parts]
+    shape = np.array(cut, np.int64).reshape(-1, 3)
+    return shape, None if uv is None else np.array(cut_uv, np.float64).reshape(-1, 3, 2)
 
 
-def _zero(points: NDArray[np.float64], edges: NDArray[np.int64], level: Level) -> NDArray[np.float64]:
+def _zero(points: NDArray[np.float64], level: Level, edges: NDArray[np.int64]) -> NDArray[np.float64]:
     """Where along each edge (k, 2) the level is zero, by bisection."""
     a, b = points[edges[:, 0]], points[edges[:, 1]]
     low, high = np.zeros(len(edges)), np.ones(len(edges))

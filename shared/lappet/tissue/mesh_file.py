@@ -6,6 +6,7 @@ import errno
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,13 @@ from lappet.foreign.reading_process import ReadingProcess
 from lappet.foreign.regular_file import refuse_irregular, refuse_kind
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.gltf_file import GltfFile
+from lappet.tissue.mesh_report import MeshReport, Note, found
 from lappet.tissue.ply_sizes import refuse_ply_sizes
 from lappet.usd.stage import open_stage, pxr
 
 UNITS = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
+# The unit of a file without one, by its largest extent: most are a head or a face, about 250 mm, or a part of one.
+_GUESSES = (("m", 2.0), ("cm", 6.0), ("in", 14.0), ("cm", 35.0))
 _GLTF = (".glb", ".gltf")
 _USD = (".usd", ".usda", ".usdc", ".usdz")
 KINDS = (".obj", ".stl", ".ply", ".off", *_GLTF, *_USD)
@@ -44,6 +48,22 @@ class Mesh:
     triangles: NDArray[np.int64]
     uv: NDArray[np.float64] | None = None
 
+    def part(self, triangles: NDArray[Any]) -> Mesh:
+        """Take some of the triangles, and the vertices that they use.
+
+        Parameters
+        ----------
+        triangles
+            Which ones: a mask or indices.
+
+        Returns
+        -------
+        Mesh
+            The part.
+        """
+        used, compact = np.unique(self.triangles[triangles], return_inverse=True)
+        return Mesh(self.points[used], compact.reshape(-1, 3), None if self.uv is None else self.uv[triangles])
+
 
 @dataclass(frozen=True, eq=False)
 class MeshRead:
@@ -53,17 +73,17 @@ class MeshRead:
     ----------
     mesh
         The mesh, in mm with Z up.
-    lines
-        What was found, for people.
+    report
+        What was found.
     """
 
     mesh: Mesh
-    lines: tuple[str, ...]
+    report: MeshReport
 
 
 def read_mesh(
     path: str | Path, units: str | None = None, limits: ReadLimits = DEFAULT_LIMITS
-) -> tuple[Mesh, list[str]]:
+) -> tuple[Mesh, MeshReport]:
     """Read the mesh of a file, in mm with Z up.
 
     A child process reads it, with limits on memory, time and size. Several meshes in one file become one. What states
@@ -80,8 +100,8 @@ def read_mesh(
 
     Returns
     -------
-    tuple[Mesh, list[str]]
-        The mesh, and lines about what was found.
+    tuple[Mesh, MeshReport]
+        The mesh, and what was found.
 
     Raises
     ------
@@ -91,7 +111,7 @@ def read_mesh(
     """
     with ReadingProcess("lappet.tissue.mesh_child", "mesh", Path(path), limits, units or "") as process:
         read: MeshRead = process.result(MeshRead)
-    return read.mesh, list(read.lines)
+    return read.mesh, read.report
 
 
 def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> MeshRead:
@@ -123,10 +143,10 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_MISSING, path, what="a mesh")
     refuse_irregular(path, limits)
     if path.suffix.lower() in _USD:
-        mesh, scale, turn = _read_usd(path, limits)
+        mesh, corners, scale, turn = _read_usd(path, limits)
         stated = f"the stage says {scale / 1000.0:g} m per unit"
     else:
-        mesh = _read_trimesh(path, limits)
+        mesh, corners = _read_trimesh(path, limits), _obj_corners(path)
         turn = path.suffix.lower() in _GLTF
         scale, stated = (1000.0, "glTF is in metres") if turn else (0.0, "")
     if len(mesh.triangles) == 0:
@@ -136,21 +156,24 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_POINTS_NOT_FINITE, path, mesh.points[bad[0]].tolist(), first=bad[0])
     extent = float(np.ptp(mesh.points[np.unique(mesh.triangles)], axis=0).max())
     if units is not None:
-        scale, stated = UNITS[units], "as asked"
+        scale, stated = UNITS[units], "given"
     elif scale == 0.0:
-        guess = "m" if extent < 2.0 else "cm" if extent < 35.0 else "mm"
-        scale, stated = UNITS[guess], f"units guessed: {guess}, from a size of {extent:.4g}; say --units otherwise"
+        guess = next((unit for unit, limit in _GUESSES if extent < limit), "mm")
+        scale, stated = UNITS[guess], f"{guess}, guessed from a size of {extent:.4g}; --units says otherwise"
     points = mesh.points * scale
     if turn:
         points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
     size = np.ptp(points[np.unique(mesh.triangles)], axis=0)
-    lines = [
-        f"{path.name}: {len(points)} points, {len(mesh.triangles)} triangles",
-        f"size: {size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm ({stated})",
+    notes = [
+        found("file", path.name),
+        found("mesh", f"{len(points)} points, {len(mesh.triangles)} triangles"),
+        *_polygons(corners),
+        found("units", stated),
+        found("size", f"{size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm"),
     ]
     if turn:
-        lines.append("turned from Y up to Z up: (x, y, z) is now (x, -z, y)")
-    return MeshRead(Mesh(points, mesh.triangles, mesh.uv), tuple(lines))
+        notes.append(found("axes", "turned from Y up to Z up: (x, y, z) is now (x, -z, y)"))
+    return MeshRead(Mesh(points, mesh.triangles, mesh.uv), MeshReport(tuple(notes)))
 
 
 class _NoFiles:
@@ -188,12 +211,28 @@ def _read_trimesh(path: Path, limits: ReadLimits) -> Mesh:
     return Mesh(np.asarray(geometry.vertices, np.float64).reshape(-1, 3), triangles, corner_uv)
 
 
-def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, float, bool]:
-    """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
+def _obj_corners(path: Path) -> NDArray[np.int64]:
+    """The number of corners of each face of an OBJ; empty for other files, whose readers do not tell it."""
+    if path.suffix.lower() != ".obj":
+        return np.zeros(0, np.int64)
+    with path.open("rb") as stream:
+        return np.array([len(line.split()) - 1 for line in stream if line.lstrip()[:2] in (b"f ", b"f\t")], np.int64)
+
+
+def _polygons(corners: NDArray[np.int64]) -> list[Note]:
+    if not (corners > 3).any():
+        return []
+    larger = int((corners > 4).sum())
+    more = f" and {larger} faces of up to {corners.max()} corners" if larger else ""
+    return [found("polygons", f"{int((corners == 4).sum())} quads{more}, split into triangles")]
+
+
+def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], float, bool]:
+    """The meshes of a stage at its default time, the corners of their faces, mm per unit, and whether Y is up."""
     usd = pxr()
     stage = open_stage(path, limits)
     cache = usd.UsdGeom.XformCache()
-    points, triangles, count = [], [], 0
+    points, triangles, corners, count = [], [], [], 0
     for prim in stage.Traverse():
         if not prim.IsA(usd.UsdGeom.Mesh):
             continue
@@ -213,9 +252,10 @@ def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, float, bool]:
             faces = faces[:, ::-1]
         points.append(local @ matrix[:3, :3] + matrix[3, :3])
         triangles.append(faces + count)
+        corners.append(counts)
         count += len(local)
     scale = 1000.0 * float(usd.UsdGeom.GetStageMetersPerUnit(stage))
     y_up = str(usd.UsdGeom.GetStageUpAxis(stage)) == "Y"
     if not points:
-        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), scale, y_up
-    return Mesh(np.concatenate(points), np.concatenate(triangles)), scale, y_up
+        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), np.zeros(0, np.int64), scale, y_up
+    return Mesh(np.concatenate(points), np.concatenate(triangles)), np.concatenate(corners), scale, y_up

@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.nesting import outermost_around
+from lappet.geometry.separate_sheets import separate_sheets
 from lappet.geometry.surface_check import directed_edges, open_edges, signed_volume, unique_edges
 from lappet.geometry.triangulation import clip_ears
 from lappet.tissue.mesh_file import Mesh
+from lappet.tissue.mesh_report import Note, repaired
 
 _WELD = 1e-6  # of the mesh's diagonal
 
 
-def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
+def weld(mesh: Mesh) -> tuple[Mesh, list[Note]]:
     """Keep one vertex per position (to 10⁻⁶ of the diagonal), and drop doubles and faces without area.
 
     Parameters
@@ -25,8 +27,8 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
 
     Returns
     -------
-    tuple[Mesh, list[str]]
-        The welded mesh, and lines about what was done.
+    tuple[Mesh, list[Note]]
+        The welded mesh, and what was done.
     """
     used = np.unique(mesh.triangles)
     grid = _WELD * max(float(np.linalg.norm(np.ptp(mesh.points[used], axis=0))), 1e-300)
@@ -43,20 +45,39 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
     _, unique = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     single = np.zeros(len(triangles), bool)
     single[unique] = True
-    lines = []
-    if len(points) < len(used):
-        lines.append(f"merged {len(used) - len(points)} vertices at the same place")
-    if len(used) < len(mesh.points):
-        lines.append(f"left out {len(mesh.points) - len(used)} points without a face")
-    if not keep.all():
-        lines.append(f"removed {int((~keep).sum())} degenerate faces")
-    if (keep & ~single).any():
-        lines.append(f"removed {int((keep & ~single).sum())} faces that were there twice")
+    counts = {
+        "merged vertices": (len(used) - len(points), "at the same place"),
+        "loose points": (len(mesh.points) - len(used), "without a face, left out"),
+        "degenerate faces": (int((~keep).sum()), "removed"),
+        "doubled faces": (int((keep & ~single).sum()), "removed"),
+    }
+    notes = [repaired(what, f"{count} {done}") for what, (count, done) in counts.items() if count]
     keep &= single
-    return Mesh(points, triangles[keep], None if mesh.uv is None else mesh.uv[keep]), lines
+    return Mesh(points, triangles[keep], None if mesh.uv is None else mesh.uv[keep]), notes
 
 
-def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
+def separate(mesh: Mesh) -> tuple[Mesh, list[Note]]:
+    """Take the mesh apart where it is not manifold: at edges of more than two faces, and where fans of faces touch.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
+    Returns
+    -------
+    tuple[Mesh, list[Note]]
+        A mesh whose edges belong to one face or two, and what was done.
+    """
+    source, triangles, crowded = separate_sheets(mesh.points, mesh.triangles)
+    copies = len(source) - len(mesh.points)
+    notes = [repaired("non-manifold edges", f"{crowded} of more than two faces, taken apart")] if crowded else []
+    if copies and not crowded:
+        notes.append(repaired("non-manifold vertices", f"{copies} fans of faces taken apart"))
+    return Mesh(mesh.points[source], triangles, mesh.uv), notes
+
+
+def orient(mesh: Mesh) -> tuple[Mesh, list[Note]]:
     """Turn neighboring faces alike: closed parts outwards, open parts as most of their faces were.
 
     A closed part inside another one is a cavity of it, and turned inwards, if the file turns the two against each
@@ -70,8 +91,8 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
 
     Returns
     -------
-    tuple[Mesh, list[str]]
-        The oriented mesh, and lines about what was done.
+    tuple[Mesh, list[Note]]
+        The oriented mesh, and what was done.
     """
     edges = directed_edges(mesh.triangles)
     count = len(mesh.triangles)
@@ -116,10 +137,10 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
     triangles[turned] = triangles[turned][:, ::-1]
     if uv is not None:
         uv[turned] = uv[turned][:, ::-1]
-    lines = [f"turned {int(turned.sum())} faces whose normals pointed the wrong way"] if turned.any() else []
+    notes = [repaired("flipped normals", f"{int(turned.sum())} faces turned")] if turned.any() else []
     if inside_out:
-        lines.append(f"of them those of {len(inside_out)} closed part{'s' * (len(inside_out) != 1)} turned inside out")
-    return Mesh(mesh.points, triangles, uv), lines
+        notes.append(repaired("parts inside out", f"{len(inside_out)} closed, turned outwards"))
+    return Mesh(mesh.points, triangles, uv), notes
 
 
 def _inside_out(points: NDArray[np.float64], closed: list[NDArray[np.int64]]) -> list[int]:

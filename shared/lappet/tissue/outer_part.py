@@ -10,12 +10,13 @@ from lappet.geometry.closest_point import closest_points
 from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.triangles import area_normals, areas, directions
 from lappet.tissue.mesh_file import Mesh
+from lappet.tissue.mesh_report import Note, taken
 
 _LINES = 500  # from so many triangles of a part it is seen which way the part faces
 _AHEAD = 1e-6  # of the surface's extent: what a line meets nearer than this is the triangle that it starts from
 
 
-def outer_part(surface: Mesh, inside: Mesh, center: NDArray[np.float64]) -> tuple[Mesh, str | None]:
+def outer_part(surface: Mesh, inside: Mesh, center: NDArray[np.float64]) -> tuple[Mesh, list[Note]]:
     """Choose the connected part that is nearest to the region's center among those that face outwards.
 
     Where none faces outwards it is the nearest of all.
@@ -31,26 +32,21 @@ def outer_part(surface: Mesh, inside: Mesh, center: NDArray[np.float64]) -> tupl
 
     Returns
     -------
-    tuple[Mesh, str | None]
-        The part, and a line about what was left out; None where there is but one part.
+    tuple[Mesh, list[Note]]
+        The part, and what was left out; nothing where there is but one part.
     """
     label = parts_of(inside.triangles, len(inside.points))
-    numbers = np.unique(label)
-    parts = [inside.triangles[label == number] for number in numbers]
-    if len(parts) > 1:
-        out = [part for part in parts if faces_out(surface, inside.points[part])]
-        which = "that faces outwards" if out else "of all, as none faces outwards,"
-        away = [float(closest_points(center[None], inside.points, part)[2][0]) for part in out or parts]
-        chosen = (out or parts)[int(np.argmin(away))]
-        size, whole = areas(inside.points[chosen]).sum(), areas(inside.points[inside.triangles]).sum()
-        line = (
-            f"of {len(parts)} separate parts in the region kept the one {which} nearest to its center, "
-            f"{size:.4g} of {whole:.4g} mm²"
-        )
-    else:
-        chosen, line = inside.triangles, None
-    used, compact = np.unique(chosen, return_inverse=True)
-    return Mesh(inside.points[used], compact.reshape(-1, 3)), line
+    parts = [np.flatnonzero(label == number) for number in np.unique(label)]
+    if len(parts) == 1:
+        return inside.part(parts[0]), []
+    corners = inside.points[inside.triangles]
+    out = [part for part in parts if faces_out(surface, corners[part])]
+    which = "that faces outwards" if out else "of all, as none faces outwards,"
+    away = [float(closest_points(center[None], inside.points, inside.triangles[part])[2][0]) for part in out or parts]
+    chosen = (out or parts)[int(np.argmin(away))]
+    size, whole = areas(corners[chosen]).sum(), areas(corners).sum()
+    value = f"of {len(parts)} the one {which} nearest to the region's center, {size:.4g} of {whole:.4g} mm²"
+    return inside.part(chosen), [taken("part", value)]
 
 
 def faces_out(surface: Mesh, corners: NDArray[np.float64]) -> bool:

@@ -13,7 +13,20 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Material, Point, Procedure, Region, Roller, SkinLine, Tissue, Vessel, VesselKind
+from lappet.procedure import (
+    SCENERY_KINDS,
+    Bone,
+    Material,
+    Point,
+    Procedure,
+    Region,
+    Roller,
+    Scenery,
+    SkinLine,
+    Tissue,
+    Vessel,
+    VesselKind,
+)
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
@@ -25,6 +38,7 @@ PRIM_TYPES = {
     "LappetMaterialAPI": None,
     "LappetSkinLineAPI": "BasisCurves",
     "LappetVesselAPI": "BasisCurves",
+    "LappetSceneryAPI": "Mesh",
     **EVENT_PRIMS,
 }
 
@@ -70,6 +84,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         bones=bones,
         skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
         vessels=tuple(_vessel(reader, prim) for prim in found["LappetVesselAPI"]),
+        scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -80,7 +95,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
-    found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": []}
+    found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": []}
     found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
@@ -203,6 +218,16 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
 def _bone(reader: Reader, prim: Any) -> Bone:
     points, counts, indices, _ = _mesh(reader, prim)
     return Bone(prim.GetName(), points, counts, indices)
+
+
+def _scenery(reader: Reader, prim: Any) -> Scenery:
+    points, counts, indices, _ = _mesh(reader, prim)
+    kind = reader.text(prim, "lappet:kind", Scenery.kind)
+    if kind not in SCENERY_KINDS:
+        known = ", ".join(SCENERY_KINDS)
+        reader.problem(ProblemCode.SCENERY_KIND, prim.GetPath(), kind, known=known)
+        kind = Scenery.kind
+    return Scenery(prim.GetName(), points, counts, indices, kind)
 
 
 def _skin_line(reader: Reader, prim: Any) -> SkinLine:

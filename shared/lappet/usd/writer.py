@@ -14,7 +14,7 @@ import numpy as np
 from lappet.core.problem import RefusedError
 from lappet.procedure import Material, Procedure, Region, Roller, SkinLine, Tissue, Vessel
 from lappet.procedure.prim_names import name_problems
-from lappet.procedure.prim_paths import ANATOMY, BONE, MATERIALS, ROOT, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import ANATOMY, BONE, MATERIALS, ROOT, SCENERY, SKIN_LINES, TIMELINE, TISSUE
 from lappet.procedure.vessel import VESSEL_COLORS
 from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
@@ -71,6 +71,12 @@ def layer(procedure: Procedure, usd: Any) -> Any:
         usd.UsdGeom.Scope.Define(stage, ANATOMY)
     for vessel in procedure.vessels:
         _vessel(stage, usd, vessel)
+    if procedure.scenery:
+        usd.UsdGeom.Scope.Define(stage, SCENERY)
+    for each in procedure.scenery:
+        prim = mesh_prim(stage, usd, f"{SCENERY}/{each.name}", each)
+        prim.AddAppliedSchema("LappetSceneryAPI")
+        Values(prim, usd).author("kind", usd.Sdf.ValueTypeNames.Token, each.kind)
     usd.UsdGeom.Scope.Define(stage, TIMELINE)
     for event in procedure.events:
         write_event(stage, usd, event)
