@@ -33,6 +33,7 @@ CONTENTS = (
             "examples/README.md",
             "docs/models.md",
             "docs/materials.md",
+            "docs/anatomy.md",
             "docs/tissues.md",
             "docs/flaps.md",
             "docs/problem*.md",

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lappet.anatomy.vessel_pieces import VesselPieces
 from lappet.checks.validation import check
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Excision, Incision, Point, Procedure, Undermine, Vessel
@@ -31,7 +32,7 @@ def compiled(events: Sequence[Event], *vessels: Vessel, spacing: float = 2.0) ->
 
 def lengths(program: Program, epoch: int) -> list[float]:
     """Length of each piece in an epoch, mm."""
-    pieces = program.vessels_at[epoch]
+    pieces: VesselPieces = program.vessels_at[epoch]
     return [float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in pieces.split(pieces.points)]
 
 
@@ -41,7 +42,7 @@ def test_an_incision_divides_a_vessel_at_its_two_walls(spacing: float) -> None:
     assert lengths(program, 0) == pytest.approx([24.0])
     assert lengths(program, 1) == pytest.approx([12.0 - KERF / 2] * 2)
     pieces = program.vessels_at[1]
-    assert pieces.divided.tolist() == [[False, True], [True, False]]
+    assert pieces.divided.tolist() == [[0, 1], [1, 0]]
     ends = [pieces.split(pieces.points)[0][-1], pieces.split(pieces.points)[1][0]]
     assert np.allclose(ends, [(3.0, -KERF / 2, 3.0), (3.0, KERF / 2, 3.0)])
     (crossing,) = program.vessel_crossings

@@ -38,10 +38,8 @@ def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
     add_tissue(scene)
     manifest, frames = slit_manifest(STEP)
     pieces = (
-        VesselPieces(np.zeros(1, np.int32), np.array([3], np.int32), np.zeros((1, 2), bool), WHOLE),
-        VesselPieces(
-            np.zeros(2, np.int32), np.array([2, 2], np.int32), np.array([(False, True), (True, False)]), HALVES
-        ),
+        VesselPieces(np.zeros(1, np.int32), np.array([3], np.int32), np.zeros((1, 2), np.uint8), WHOLE),
+        VesselPieces(np.zeros(2, np.int32), np.array([2, 2], np.int32), np.array([(0, 1), (1, 0)], np.uint8), HALVES),
     )
     manifest = replace(manifest, layers=SKIN_OVER_FAT, vessels=(Vessel("a", ((0, 0, 0),)),), vessels_at=pieces)
     manifest = replace(manifest, vessels=(replace(manifest.vessels[0], radius=RADIUS),))

@@ -67,11 +67,11 @@ def skin_materials(
     if name in SCALARS:
         skin_material.set_full_scale(first, highest)
     others = (
-        ("wall", skin_material.wall_material),
+        ("wall", partial(skin_material.wall_material, opacity=opacity)),
         ("underside", skin_material.underside_material),
         ("rim", skin_material.rim_material),
     )
-    made_for = f"{units:g} {digest(layers).hex()}"
+    made_for = f"{units:g} {opacity:g} {digest(layers).hex()}"
     return (
         first,
         *(_kept(collection, f"{prefix}{role}", made_for, partial(make, layers, space)) for role, make in others),

@@ -146,9 +146,10 @@ class Plate:
         self._highest = full_scale(cache, scalar) if scalar else 1.0
         view = viewpoint(field, request.view, half_angles(request.size))
         pixel = 2 * view.distance * half_angles(request.size)[0] / request.size[0]
+        opacity = TRANSLUCENT if request.translucent else 1.0
         materials = [
-            skin_material(request.color, pixel, self._highest, opacity=TRANSLUCENT if request.translucent else 1.0),
-            wall_material(cache.layers),
+            skin_material(request.color, pixel, self._highest, opacity=opacity),
+            wall_material(cache.layers, opacity=opacity),
             underside_material(cache.layers),
             mucosa_material() if cache.scenery else rim_material(cache.layers),
         ]

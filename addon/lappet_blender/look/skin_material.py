@@ -52,7 +52,7 @@ class Space:
 
 FIGURE = Space()
 _MOTTLE, _PALE = 0.22, 0.3
-TRANSLUCENT = 0.4  # opacity of skin through which vessels are to show
+TRANSLUCENT = 0.35  # opacity of skin and walls through which vessels are to show
 FULL_SCALE = "lappet_full_scale"  # the node that divides `quantity`
 
 
@@ -213,12 +213,13 @@ def _first_color(layers: TissueLayers) -> tuple[float, float, float, float]:
     return (*KIND_COLORS[KINDS[int(layers.kind[0])]], 1.0)
 
 
-def wall_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Material:
+def wall_material(layers: TissueLayers, space: Space = FIGURE, opacity: float = 1.0) -> bpy.types.Material:
     """A wound wall: the layers of the tissue where they are, moist."""
     nodes = _Nodes("Wound wall", space)
     color = _layer_color(nodes, layers, 0.3)
     nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
     material = nodes.finish(color, Roughness=0.32, Emission_Color=color, Emission_Strength=0.07)
+    nodes.put(nodes.bsdf.inputs["Alpha"], opacity)
     material.diffuse_color = _first_color(layers)
     return material
 

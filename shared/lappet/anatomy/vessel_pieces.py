@@ -39,7 +39,7 @@ class VesselPieces:
     counts
         Number of points of each piece, at least 2, shape (p,), int32; q are they in all.
     divided
-        Whether the begin and the end of each piece were cut, shape (p, 2), bool.
+        1 where the begin or the end of each piece was cut, else 0, shape (p, 2), uint8.
     points
         The pieces at rest in mm, shape (q, 3), float64.
     triangles
@@ -48,7 +48,7 @@ class VesselPieces:
 
     vessel: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     counts: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
-    divided: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0, 2), np.bool_))
+    divided: NDArray[np.uint8] = field(default_factory=lambda: no_entries((0, 2), np.uint8))
     points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
 
@@ -178,7 +178,7 @@ class VesselCutter:
         return VesselPieces(
             vessel=np.array([number for number, _ in found], np.int32),
             counts=np.array([len(points) for _, (points, _, _) in found], np.int32),
-            divided=np.array([divided for _, (_, _, divided) in found], np.bool_),
+            divided=np.array([divided for _, (_, _, divided) in found], np.uint8),
             points=points,
             triangles=np.where(given >= 0, given, nearest).astype(np.int32),
         )

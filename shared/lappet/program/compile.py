@@ -85,8 +85,7 @@ def compile_program(
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
     epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times)
-    loss = TissueLoss(procedure)
-    _refuse_off_tissue(procedure, loss)
+    loss = _tissue_loss(procedure)
     off = loss.distance(events.anchors())
     vessels, crossings = _vessels(procedure, epochs, spacing)
     frames: list[FrameConstraints] = []
@@ -190,7 +189,9 @@ def _epoch_at(epochs: Sequence[Epoch], time: float) -> int:
     return past[-1] if past else epochs[0].index
 
 
-def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
+def _tissue_loss(procedure: Procedure) -> TissueLoss:
+    """The test of what anchors lie on; one that is off the tissue before any cut is refused."""
+    loss = TissueLoss(procedure)
     placed: list[tuple[Event, Sequence[Point]]] = []
     for event in procedure.events:
         if isinstance(event, Hook):
@@ -200,7 +201,7 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
         elif isinstance(event, Landmark):
             placed.append((event, event.points))
     if not placed:
-        return
+        return loss
     every = loss.distance([point for _, points in placed for point in points])
     ends = np.cumsum([len(points) for _, points in placed])
     for (event, points), distances in zip(placed, np.split(every, ends[:-1]), strict=True):
@@ -209,6 +210,7 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
             at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
             off = float(distances[worst])
             raise refused(code, event_path(event), _mm(at), place=Place.at(at), off=off, most=loss.allowed)
+    return loss
 
 
 @dataclass(frozen=True)
