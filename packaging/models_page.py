@@ -27,7 +27,7 @@ lappet models new cheek -o cheek.usda --excision      # with a first operation: 
 
 In Blender: *Add > Lappet > Model*. It never downloads anything; fetch the package on the command line first.
 
-![The models, each in its surroundings; pink is tissue, lines are skin lines](images/models.png)
+![The models, each in its surroundings; the printed grid lies on the tissue](images/models.png)
 
 ## What a model is
 
