@@ -140,7 +140,7 @@ _HEAD_MODELS = (
         Depth(1.2, CHOSEN, "to the perichondrium and the mastoid fascia; half of the auricle where that is less"),
         "face",
         "tight",
-        0.8,
+        1.2,
         1,
         ("cheeks", "ear"),
         Trial((-74.0, 58.0, 700.0), (0.0, 0.0, 1.0), 14.0),
