@@ -100,8 +100,8 @@ class SurfaceLayers:
     Parameters
     ----------
     depth
-        Depth of each vertex below the skin before any cut in mm, shape (n,), float32; 0 on the skin, and on the underside
-        of tissue of one layer, where nobody asks for it.
+        Depth of each vertex below the skin before any cut in mm, shape (n,), float32; 0 on the skin, and on the
+        underside of tissue of one layer, where nobody asks for it.
     column
         Column of each triangle, shape (m,), int32.
     """
@@ -180,8 +180,8 @@ class LayerSearch:
         inner = np.setdiff1d(surface.triangles[faces], surface.triangles[surface.origin == FaceOrigin.SKIN])
         depth[inner] = self._skin.query(surface.points[inner])[2]
         if self.layers.columns > 1:
-            middles = surface.points[surface.triangles[faces]].mean(axis=1)
-            column[faces] = self._column[self._skin.query(middles)[0]]
+            middles = surface.points[surface.triangles].mean(axis=1)
+            column[:] = self._column[self._skin.query(middles)[0]]
         return SurfaceLayers(depth, column)
 
 
