@@ -441,6 +441,7 @@ class ProblemCode(StrEnum):
     REGION_NEEDS_THICKNESS = auto()
     REGION_EMPTY = auto()
     REGION_POINT_OFF_SURFACE = auto()
+    MESH_NO_TEXTURE = auto()
     OUTLINE_NO_POINTS = auto()
     OUTLINE_CROSSES_ITSELF = auto()
     REGION_WHOLE_SURFACE = auto()

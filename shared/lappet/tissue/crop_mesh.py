@@ -198,7 +198,7 @@ def _crop_one(mesh: Mesh, value: NDArray[np.float64], zero: Callable[[NDArray[np
     moved = order[first]
     points = points.copy()
     points[snapped] += (mesh.points[others[moved]] - mesh.points[snapped]) * fraction[moved, None]
-    uv = None if mesh.uv is None else _uv_moved(mesh.uv, triangles, snapped, others[moved], fraction[moved])
+    uv = None if mesh.uv is None else _uv_moved(mesh, mesh.uv, snapped, others[moved], fraction[moved])
     value = value.copy()
     value[snapped] = 0.0
 
@@ -224,31 +224,40 @@ def _between(a: Any, b: Any, at: Any) -> Any:
 
 
 def _uv_moved(
+    mesh: Mesh,
     uv: NDArray[np.float64],
-    triangles: NDArray[np.int64],
     moved: NDArray[np.int64],
     towards: NDArray[np.int64],
     fraction: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Texture coordinates where vertices move along edges: those that the edge's triangles have there move with them.
 
-    At a seam the coordinates on its other side stay.
+    Beyond a seam, where no triangle of the chart has the edge, a triangle's own map is continued.
     """
-    uv = uv.copy()
+    triangles = mesh.triangles
+    uv, before = uv.copy(), uv
     owner = {vertex: k for k, vertex in enumerate(moved.tolist())}
-    rows, corners = np.nonzero(np.isin(triangles, moved))
-    before = uv.copy()
+    places = [(row, corner) for row, corner in np.argwhere(np.isin(triangles, moved)).tolist()]
+
+    def name(row: int, corner: int) -> tuple[int, float, float]:
+        return int(triangles[row, corner]), float(before[row, corner, 0]), float(before[row, corner, 1])
+
     shift: dict[tuple[int, float, float], NDArray[np.float64]] = {}
-    for row, corner in zip(rows.tolist(), corners.tolist(), strict=True):
-        vertex = int(triangles[row, corner])
-        k = owner[vertex]
+    for row, corner in places:
+        k = owner[int(triangles[row, corner])]
         end = np.flatnonzero(triangles[row] == towards[k])
         if len(end):
-            own = before[row, corner]
-            shift[vertex, float(own[0]), float(own[1])] = fraction[k] * (before[row, end[0]] - own)
-    for row, corner in zip(rows.tolist(), corners.tolist(), strict=True):
-        own = before[row, corner]
-        uv[row, corner] += shift.get((int(triangles[row, corner]), float(own[0]), float(own[1])), 0.0)
+            shift[name(row, corner)] = fraction[k] * (before[row, end[0]] - before[row, corner])
+    for row, corner in places:
+        vertex = int(triangles[row, corner])
+        if name(row, corner) not in shift:
+            k = owner[vertex]
+            way = fraction[k] * (mesh.points[towards[k]] - mesh.points[vertex])
+            others = [(corner + 1) % 3, (corner + 2) % 3]
+            sides = mesh.points[triangles[row, others]] - mesh.points[vertex]
+            share = np.linalg.lstsq(sides.T, way, rcond=None)[0]
+            shift[name(row, corner)] = share @ (before[row, others] - before[row, corner])
+        uv[row, corner] += shift[name(row, corner)]
     return uv
 
 
