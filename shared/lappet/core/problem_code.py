@@ -439,6 +439,7 @@ class ProblemCode(StrEnum):
     REGION_TWICE = auto()
     REGION_AT_AND_RADIUS = auto()
     REGION_NEEDS_THICKNESS = auto()
+    REGION_NO_INNER_SIDE = auto()
     REGION_EMPTY = auto()
     REGION_POINT_OFF_SURFACE = auto()
     MESH_NO_TEXTURE = auto()

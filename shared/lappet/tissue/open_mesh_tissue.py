@@ -7,17 +7,18 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import refused
+from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.flatten import flatten
 from lappet.geometry.mesh_faults import EDGES, refuse_faults
+from lappet.geometry.normals import vertex_normals
 from lappet.geometry.surface_check import directed_edges, place, signed_volume, unique_edges
 from lappet.geometry.triangles import areas, directions
 from lappet.procedure import Tissue
 from lappet.tissue.chosen_spacing import chosen_spacing
-from lappet.tissue.inner_side import Surroundings
+from lappet.tissue.inner_side import Surroundings, inner_side
 from lappet.tissue.mesh_file import Mesh
 from lappet.tissue.mesh_repair import fill
 from lappet.tissue.mesh_report import Note, found, repaired, taken
@@ -28,12 +29,13 @@ Thickness = float | Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """In mm: one number, or a function from points of the skin in mm, shape (n, 3), to the thickness below each, (n,)."""
 
 _SMALL_HOLE = 0.15  # of the rim: holes shorter than this are filled
+_DEEPEST = 30.0  # mm below the skin in which an inner side is looked for
 _NARROW = 0.75  # of the wanted thickness: places that are thinner are told
 
 
 def open_mesh_tissue(
     mesh: Mesh,
-    thickness: Thickness,
+    thickness: Thickness | None,
     spacing: float | None,
     name: str,
     around: Surroundings | None = None,
@@ -50,7 +52,8 @@ def open_mesh_tissue(
     mesh
         The surface, welded and oriented.
     thickness
-        Thickness of the sheet; it is less where there is no room for it.
+        Thickness of the sheet; it is less where there is no room for it. None for a sheet down to the inner side of the
+        surface that it was taken from.
     spacing
         Lattice spacing in mm; None for a chosen one.
     name
@@ -68,12 +71,13 @@ def open_mesh_tissue(
     Raises
     ------
     RefusedError
-        If the surface is closed, not manifold or not oriented alike, or has no room for a sheet; names the place.
+        If the surface is closed, not manifold or not oriented alike, or has no room for a sheet, or no inner side where
+        that is the thickness; names the place.
     """
     mesh, notes = _largest_part(mesh)
     refuse_faults(name, mesh.points, mesh.triangles, EDGES)
     mesh, more = _small_holes_filled(mesh, name)
-    wanted = thickness(mesh.points) if callable(thickness) else np.full(len(mesh.points), float(thickness))
+    wanted = _wanted(mesh, thickness, name, around)
     thick = float(np.median(wanted))
     sheet = thicken(mesh.points, mesh.triangles, wanted, rim_rows(mesh.points, mesh.triangles, thick), name, around)
     refuse_faults(name, sheet.points, sheet.triangles)
@@ -100,6 +104,24 @@ def open_mesh_tissue(
         taken("texture", kept),
     ]
     return tissue, notes
+
+
+def _wanted(mesh: Mesh, thickness: Thickness | None, name: str, around: Surroundings | None) -> NDArray[np.float64]:
+    """The thickness that is wanted below each point of the skin in mm."""
+    if callable(thickness):
+        return thickness(mesh.points)
+    if thickness is not None:
+        return np.full(len(mesh.points), float(thickness))
+    if around is None:
+        raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
+    inwards = -vertex_normals(mesh.points, mesh.triangles)
+    distance = inner_side(mesh.points, inwards, np.full(len(mesh.points), _DEEPEST), around).distance
+    missing = np.flatnonzero(~np.isfinite(distance))
+    if len(missing):
+        where = mesh.points[missing[0]]
+        fields = {"where": place(where), "share": f"{len(missing) / len(distance):.0%}"}
+        raise refused(ProblemCode.REGION_NO_INNER_SIDE, name, f"{_DEEPEST:g}", place=Place.at(where), **fields)
+    return distance
 
 
 def _largest_part(mesh: Mesh) -> tuple[Mesh, list[Note]]:

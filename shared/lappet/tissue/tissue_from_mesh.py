@@ -24,6 +24,7 @@ from lappet.tissue.open_mesh_tissue import Thickness, open_mesh_tissue
 from lappet.tissue.surgical_field import Box, Disc, Outline, Region, Sphere, surgical_field
 
 Texture = Literal["grid", "mesh"]
+_EDGE = 2.0  # mm: the resolution of a sheet whose thickness is no number
 _MOST_LENGTHS = 5  # of borders, that the report names
 
 
@@ -50,7 +51,8 @@ def new_tissue(
     path
         A mesh file.
     thickness
-        Thickness of the sheet in mm, less where there is no room for it; None for a closed surface.
+        Thickness of the sheet in mm, less where there is no room for it. None for a closed surface, and for the skin
+        around a point or inside an outline down to the surface's own inner side.
     sphere
         Center and radius in mm of a region to take.
     box
@@ -112,14 +114,14 @@ def tissue_of_mesh(
     mesh
         The mesh.
     thickness
-        Thickness of the sheet, also as a function of the place on the skin; None for a closed surface.
+        Thickness of the sheet, also as a function of the place on the skin; None as of `new_tissue`.
     region
         The part of the surface to take, None for all of it.
     spacing
         Lattice spacing in mm; None for a chosen one.
     resolution
-        Length in mm down to which the edges of a region are divided; None for the thickness, or where that is a
-        function for 2 mm.
+        Length in mm down to which the edges of a region are divided; None for the thickness, or where that is no number
+        for 2 mm.
     name
         What messages call the mesh.
     report
@@ -172,8 +174,9 @@ def tissue_of_mesh(
         if isinstance(region, (Sphere, Box)) and closed:
             tissue, notes = closed_mesh_tissue(mesh, spacing, name, region)
             return tissue, report.with_notes(notes)
-        raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
-    edge = resolution or (2.0 if callable(thickness) else thickness)
+        if isinstance(region, (Sphere, Box)):
+            raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
+    edge = resolution or (_EDGE if thickness is None or callable(thickness) else thickness)
     field, notes = surgical_field(mesh, region, edge, name)
     around = Surroundings.of(mesh.points, mesh.triangles, field.points)
     tissue, more = open_mesh_tissue(field, thickness, spacing, name, around, keep)
