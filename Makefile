@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos lint format docs site bench clean
+.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos lint format docs site bench atlas clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -62,6 +62,11 @@ site:  ## build the documents and the API reference as a site into build/site
 bench:  ## measure kernels, scenes, sheets and stages into build/bench (PARTS=pipeline; FINE=1: up to a million cells)
 	@bash packaging/setup.sh --benchmarks
 	@$(PYTHON) -m lappet.bench $(PARTS) -o build/bench $(if $(FINE),--fine)
+
+atlas: setup  ## solve and draw every design of the flap library into build/atlas; docs/flaps.md shows it
+	@$(PYTHON) -m lappet report atlas -o build/atlas
+	@$(PYTHON) packaging/flap_pictures.py build/atlas
+	@$(PYTHON) packaging/documents.py --write >/dev/null
 
 clean:  ## remove what was built, solved and rendered; .venv stays
 	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

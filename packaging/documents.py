@@ -1,13 +1,15 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
-problems, `docs/tissues.md` from the presets of tissue and `docs/robustness.md` from its last results. Both check that
-every relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a
-heading. `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
+problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md`
+from the flap library and its last atlas, and `docs/robustness.md` from its last results. Both check that every
+relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a heading.
+`--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import sys
@@ -17,12 +19,14 @@ from urllib.parse import unquote
 
 import click
 
+import models_page
 import problem_page
 import robustness_page
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
 TISSUES = "docs/tissues.md"
+FLAPS, ATLAS = "docs/flaps.md", ROOT / "docs" / "atlas.json"
 SKIPPED = {"build", "dist", "node_modules"}
 LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
@@ -92,14 +96,17 @@ def main(arguments: list[str]) -> int:
         print(__doc__.splitlines()[0], file=sys.stderr)
         return 2
     from lappet.commands.cli import cli
+    from lappet.reports.atlas.page import flap_page
     from lappet.reports.tissues.page import tissue_page
 
     problems = []
     pages = {
         PAGE: command_line_page(cli),
+        models_page.PAGE: models_page.models_page(),
         problem_page.PAGE: problem_page.problem_page(),
         robustness_page.PAGE: robustness_page.robustness_page(),
         TISSUES: tissue_page(),
+        FLAPS: flap_page(json.loads(ATLAS.read_text(encoding="utf-8"))),
     }
     for name, text in pages.items():
         page = ROOT / name

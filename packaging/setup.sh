@@ -3,7 +3,8 @@
 # Does only what is missing, so running it again is quick. Never asks a question.
 #
 #   bash packaging/setup.sh                everything
-#   bash packaging/setup.sh --tests        the daemon's tests too, and its benchmarks, which the tests run
+#   bash packaging/setup.sh --tests        the daemon's tests too, its benchmarks, which the tests run, and the package
+#                                          that the body models are cut from
 #   bash packaging/setup.sh --benchmarks   its benchmarks
 #
 # LAPPET_PYTHON names the Python 3.11 to make .venv with; LAPPET_JOBS how many compilers run at once.
@@ -22,9 +23,10 @@ refuse() {
 }
 
 targets=(lappet-solverd)
+with_models=no
 for argument in "$@"; do
     case "$argument" in
-        --tests) targets+=(solverd_tests solverd_benchmarks) ;;
+        --tests) targets+=(solverd_tests solverd_benchmarks) with_models=yes ;;
         --benchmarks) targets+=(solverd_benchmarks) ;;
         *) refuse "unknown argument '$argument'; there are --tests and --benchmarks." ;;
     esac
@@ -139,7 +141,16 @@ build_daemon() {
         refuse "the daemon did not compile; see the compiler's message above."
 }
 
+# ---- 4. the package of the body models -----------------------------------------------------------------------------
+
+fetch_models() {
+    [ "$with_models" = yes ] || return 0
+    "$venv/bin/lappet" models fetch >/dev/null ||
+        refuse "the package of the body models, which the tests read, could not be fetched; see the message above."
+}
+
 install_system_packages
 install_python
 build_daemon
+fetch_models
 say "ready: .venv/bin/lappet and build/solverd/lappet-solverd"

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from lappet.procedure import (
     MODELS,
+    VESSEL_KINDS,
     Bone,
     Event,
     Excision,
@@ -24,6 +25,7 @@ from lappet.procedure import (
     Tissue,
     Traction,
     Undermine,
+    Vessel,
 )
 from lappet.tissue.patch import flat_patch
 
@@ -40,6 +42,13 @@ labels = st.text(st.characters(codec="utf-8", exclude_categories=["C"]), min_siz
 def _samples(values: st.SearchStrategy[tuple[float, ...]]) -> st.SearchStrategy[tuple[tuple[float, object], ...]]:
     return sample_times.flatmap(
         lambda times: st.tuples(*(values for _ in times)).map(lambda found: tuple(zip(times, found, strict=True)))
+    )
+
+
+def vessels(name: str) -> st.SearchStrategy[Vessel]:
+    """A vessel with that name; its kind may be any word."""
+    return st.builds(
+        Vessel, st.just(name), curves, st.sampled_from([*VESSEL_KINDS, "duct"]), numbers, labels, st.booleans(), bases
     )
 
 
@@ -132,4 +141,5 @@ def procedures(draw: st.DrawFn) -> Procedure:
         float(start),
         float(start + draw(st.integers(0, 100))),
         draw(st.sampled_from([24.0, 25.0, 29.97])),
+        vessels=tuple(draw(vessels(name)) for name in names[:2]),
     )

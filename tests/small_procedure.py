@@ -155,7 +155,7 @@ class FakeSession:
             stress=np.full(n, 0.2, np.float32),
             tension=np.full(n, 0.3, np.float32),
             landmark_index=self._landmarks.index,
-            landmarks=self._landmarks.points + lift,
+            **self._followed(lift),
             hook_index=frame.hook_index,
             hook_points=frame.hook_anchors.copy(),
             hook_forces=np.full((hooks, 3), 2.0),
@@ -175,6 +175,13 @@ class FakeSession:
                 activation=np.zeros(len(self._settings.materials)),
             ),
         )
+
+    def _followed(self, lift: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Where landmarks and vessels are."""
+        return {
+            "landmarks": self._landmarks.points + lift,
+            "vessel_points": self._landmarks.vessel_points + lift,
+        }
 
     def close(self) -> None:
         self._solver.closed += 1

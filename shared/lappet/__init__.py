@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         Tissue,
         Traction,
         Undermine,
+        Vessel,
     )
     from lappet.procedure.history import History
     from lappet.program.settings import SolverSettings
@@ -60,6 +61,7 @@ _HOMES = {
         "Tissue",
         "Traction",
         "Undermine",
+        "Vessel",
     ),
     "procedure.history": ("History",),
     "program.settings": ("SolverSettings",),
@@ -91,6 +93,7 @@ __all__ = [
     "Tissue",
     "Traction",
     "Undermine",
+    "Vessel",
     "__version__",
     "check",
     "read_procedure",

@@ -19,7 +19,7 @@ def test_the_filmstrip_tells_the_operation_in_order(cache: SkinCache) -> None:
         "Before",
         "Incised",
         "Lifted with hooks",
-        "Transposed",
+        "Laid in place",
         "Sutured",
         "Final result",
     ]
@@ -36,7 +36,7 @@ def test_a_flap_is_transposed_into_what_was_excised_and_the_edges_of_a_mere_exci
     hook, closing = StepEvent("Hook", "tip", 6, 14), StepEvent("Suture", "corner", 12, 16)
     excision = [StepEvent("Incision", "defect", 2, 2), StepEvent("Excision", "defect", 4, 4)]
     frames = [float(t) for t in range(1, 18)]
-    for cuts, word in ((excision, "Advanced"), ([*excision, StepEvent("Incision", "limbs", 2, 2)], "Transposed")):
+    for cuts, word in ((excision, "Advanced"), ([*excision, StepEvent("Incision", "limbs", 2, 2)], "Laid in place")):
         captions = [step.caption for step in story_steps([*cuts, hook, closing], frames, lambda t: -abs(t - 8.0))]
         assert captions == ["Before", "Excised", "Lifted with hooks", word, "Sutured", "Final result"]
 
@@ -56,7 +56,7 @@ def test_the_story_names_undermining_and_tells_buried_sutures_apart() -> None:
         "limb; dashed: undermined",
         5,
     )
-    assert [(s.caption, s.frame) for s in steps[3:]] == [("Transposed", 8), ("Sutured", 11), ("Final result", 14)]
+    assert [(s.caption, s.frame) for s in steps[3:]] == [("Laid in place", 8), ("Sutured", 11), ("Final result", 14)]
     assert steps[4].detail == "skin sutures over buried ones"
     assert story_steps(events, frames, buried=5)[4].detail == "5 buried sutures"
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from test_background_message import a_manifest, same_bits
 
+from lappet.anatomy.tissue_layers import layer_search
 from lappet.background.compilation import Compilation
 from lappet.background.kept_frames import KeptFrames
 from lappet.background.make_manifest import epoch_shapes
@@ -92,7 +93,7 @@ def test_a_uv_map_in_any_unit_is_scaled_back_and_a_surface_without_skin_has_no_d
 def test_each_triangle_lies_on_the_face_of_the_tissue_that_is_named() -> None:
     procedure = small_procedure()
     tissue = procedure.tissue
-    shapes = epoch_shapes(build_epochs(procedure), tissue)
+    shapes = epoch_shapes(build_epochs(procedure), tissue, layer_search(tissue, procedure.materials))
     fans, of_face = fan_triangles(tissue)
     for shape in shapes:
         walls = shape.origin == FaceOrigin.WOUND_WALL

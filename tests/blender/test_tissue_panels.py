@@ -17,6 +17,7 @@ from lappet_blender.tissue.tissue_panel import (
     LAPPET_PT_tissue_faces,
     LAPPET_PT_tissue_skin_lines,
     LAPPET_PT_tissue_surroundings,
+    LAPPET_PT_tissue_vessels,
 )
 from tissue_scenes import add_box, add_sheet, fill_with_patch
 
@@ -111,6 +112,16 @@ def test_the_panel_shows_groups_with_their_counts_cells_and_time(scene: bpy.type
     assert "cells; 10 frames: about" in said(drawn)
     assigned = [each.given for each in drawn if isinstance(each, Button) and each.name == "lappet.faces_assign"]
     assert {"group": "bed", "action": "REMOVE"} in assigned
+
+
+def test_vessels_are_listed_and_can_be_removed(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    assert buttons(draw(LAPPET_PT_tissue_vessels, scene)) == ["lappet.vessels_add"]
+    for name in ("angular", "infraorbital"):
+        scene.lappet.vessels.add().name = name
+    drawn = draw(LAPPET_PT_tissue_vessels, scene)
+    removes = [each.given for each in drawn if isinstance(each, Button) and each.name == "lappet.vessel_remove"]
+    assert removes == [{"name": "angular"}, {"name": "infraorbital"}]
 
 
 def test_skin_lines_are_listed_with_their_tension_and_can_be_removed(scene: bpy.types.Scene) -> None:

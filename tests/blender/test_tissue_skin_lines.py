@@ -10,28 +10,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.program.compile import compile_program
 from lappet.tissue.patch import flat_patch
 from refusals import refusal_code
-from tissue_scenes import fill_with_patch, read
-
-
-def add_curve(scene: bpy.types.Scene, kind: str, points: list[tuple[float, float, float]]) -> bpy.types.Object:
-    """A curve object with a spline through points in mm, selected."""
-    data = bpy.data.curves.new("crease", "CURVE")
-    data.dimensions = "3D"
-    if points:
-        spline = data.splines.new(kind)
-        row = spline.bezier_points if kind == "BEZIER" else spline.points
-        row.add(len(points) - 1)
-        for knot, point in zip(row, points, strict=True):
-            place = [0.001 * value for value in point]
-            if kind == "BEZIER":
-                knot.co = place
-                knot.handle_left_type = knot.handle_right_type = "VECTOR"
-            else:
-                knot.co = (*place, 1.0)
-    obj = bpy.data.objects.new("crease", data)
-    scene.collection.objects.link(obj)
-    obj.select_set(True)
-    return obj
+from tissue_scenes import add_curve, fill_with_patch, read
 
 
 @pytest.fixture

@@ -57,3 +57,24 @@ def read(scene: bpy.types.Scene) -> Procedure:
     assert reading.problems == ()
     assert reading.procedure is not None
     return reading.procedure
+
+
+def add_curve(scene: bpy.types.Scene, kind: str, points: list[tuple[float, float, float]]) -> bpy.types.Object:
+    """A curve object with a spline through points in mm, selected."""
+    data = bpy.data.curves.new("crease", "CURVE")
+    data.dimensions = "3D"
+    if points:
+        spline = data.splines.new(kind)
+        row = spline.bezier_points if kind == "BEZIER" else spline.points
+        row.add(len(points) - 1)
+        for knot, point in zip(row, points, strict=True):
+            place = [0.001 * value for value in point]
+            if kind == "BEZIER":
+                knot.co = place
+                knot.handle_left_type = knot.handle_right_type = "VECTOR"
+            else:
+                knot.co = (*place, 1.0)
+    obj = bpy.data.objects.new("crease", data)
+    scene.collection.objects.link(obj)
+    obj.select_set(True)
+    return obj

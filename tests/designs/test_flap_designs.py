@@ -99,7 +99,7 @@ DESIGNS = {
 def test_every_edge_of_a_design_has_its_tissue_on_the_side_it_says(name: str, mirrored: bool) -> None:
     """Beside an edge, on its tissue's side, there is no defect; the two edges of a cut lie on both sides of it."""
     design = DESIGNS[name](mirrored=mirrored)
-    outline = np.array(design.defect)[:, :2]
+    outline = np.array(design.excised[0].outline)[:, :2]
     turn = outline - np.roll(outline, 1, axis=0)
     assert np.sum(outline[:, 0] * np.roll(outline[:, 1], -1) - outline[:, 1] * np.roll(outline[:, 0], -1)) > 0.0
     assert len(turn) > 20

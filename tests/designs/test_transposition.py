@@ -47,7 +47,7 @@ def test_a_hook_starts_at_the_flap_rises_and_ends_where_the_corner_belongs(scene
 def test_the_skin_is_undermined_as_far_beyond_every_cut_as_asked(scene) -> None:
     skin, design = scene
     line = np.array(outline(design, skin, 10.0))
-    cuts = np.array([*design.defect, *design.incisions[0]])
+    cuts = np.array([*design.excised[0].outline, *design.incisions[0]])
     nearest = np.linalg.norm(line[None] - cuts[:, None], axis=2).min(axis=0)
     assert nearest.min() > 9.5  # nowhere nearer to a cut
     assert nearest.max() < 10.0 + SIDE  # nor much farther: the line is convex

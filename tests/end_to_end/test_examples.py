@@ -41,6 +41,7 @@ FOLDERS = (
     "dual_s_plasty",
     "prestretched_incision",
     "stitches",
+    "island_flap",
 )
 
 
@@ -383,3 +384,18 @@ def test_a_cut_across_the_tension_lines_gapes_more_than_one_along_them_and_taut_
         less = gapes(report(result)["frames"][-1])
         assert (less >= least * np.array([along, across])).all()
         assert (less <= most * np.array([along, across])).all()
+
+
+@pytest.mark.slow
+def test_the_island_flap_is_advanced_on_a_perforator_that_stays_whole(tmp_path: Path) -> None:
+    """Its base goes into the defect, the fat below it stays, and the perforator between them is stretched."""
+    found = solved("island_flap", 1.0, tmp_path)
+    artery, perforator, vein = found["vessels"]
+    assert [each["crossings"] for each in (artery, perforator, vein)] == [[], [], []]
+    first, last = found["frames"][0], found["frames"][-1]
+    assert {frame["vessels"]["perforator"]["pieces"] for frame in found["frames"]} == {1}
+    base, below = (np.subtract(last["landmarks"][name], first["landmarks"][name]) for name in first["landmarks"])
+    assert -8.0 < base[0] < -6.0
+    assert abs(below[0]) < 2.0
+    assert 1.2 < last["vessels"]["perforator"]["stretch"] < 1.7
+    assert last["vessels"]["trunk"]["stretch"] == pytest.approx(1.0, abs=0.02)

@@ -31,6 +31,7 @@ from lappet.procedure import (
     Suture,
     Tissue,
     Traction,
+    Vessel,
 )
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
@@ -225,6 +226,7 @@ def test_the_schema_falls_back_to_the_defaults_of_the_dataclasses() -> None:
         ("LappetIncisionAPI", Incision, {}),
         ("LappetHookAPI", Hook, {}),
         ("LappetSutureAPI", Suture, {}),
+        ("LappetVesselAPI", Vessel, {}),
     ]
     compared = 0
     for schema, kind, names in pairs:
@@ -240,7 +242,7 @@ def test_the_schema_falls_back_to_the_defaults_of_the_dataclasses() -> None:
                     value = tuple(fallback) if hasattr(fallback, "__len__") else fallback.GetValue()
                 assert value == defaults[field], (schema, name)
                 compared += 1
-    assert compared >= 19
+    assert compared >= 22
 
 
 def test_a_stage_in_centimetres_with_y_up_is_converted_and_says_so(tmp_path: Path) -> None:

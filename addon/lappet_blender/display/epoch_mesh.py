@@ -11,12 +11,15 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 
+from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape
 
+from ..look.layer_image import ROW, layer_rows
 from ..look.skin_fields import WOUND_WALL
 from ..look.skin_import import build_mesh, mark_sharp_borders, set_attribute
 
 KEY = "lappet_epoch"
+_ROWS_FOR = "lappet_layer_rows"
 TILE = 10.0  # mm of the grid per unit of UVMap
 
 
@@ -73,6 +76,18 @@ def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001
     # To Blender `grid` is a UV map too, and the first one.
     layer.active = layer.active_render = True
     return mesh
+
+
+def set_layer_rows(mesh: bpy.types.Mesh, shape: EpochShape, layers: TissueLayers) -> None:
+    """Set where each face's column of layers lies in the picture of the layers that its materials look up."""
+    made_for = f"{layers.columns}"
+    if mesh.get(_ROWS_FOR) == made_for:
+        return
+    column = shape.column if len(shape.column) else np.zeros(len(shape.triangles), np.int32)
+    if len(mesh.polygons) != len(column):
+        column = column[shape.origin != WOUND_WALL]
+    set_attribute(mesh, ROW, "FLOAT", "FACE", layer_rows(layers, column))
+    mesh[_ROWS_FOR] = made_for
 
 
 def remove_unused(keys: Collection[str]) -> None:

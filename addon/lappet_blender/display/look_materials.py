@@ -8,6 +8,10 @@ from functools import partial
 import bpy
 import numpy as np
 
+from lappet.anatomy.tissue_layers import TissueLayers
+from lappet.core.digest import digest
+from lappet.procedure import VESSEL_KINDS
+
 from ..look import skin_material
 from ..look.skin_material import GRID_INK, Space
 from ..look.skin_source import SCALARS
@@ -37,28 +41,41 @@ def _kept(
 
 
 def skin_materials(
-    collection: bpy.types.Collection, color: str, highest: float, units: float
+    collection: bpy.types.Collection,
+    color: str,
+    highest: float,
+    units: float,
+    layers: TissueLayers,
+    opacity: float = 1.0,
+    prefix: str = "",
 ) -> tuple[bpy.types.Material, ...]:
-    """One material per origin: skin, wound wall, underside, rim. color: of `COLORS`. units: Blender units per mm."""
+    """One material per origin: skin, wound wall, underside, rim.
+
+    color: of `COLORS`. units: Blender units per mm. opacity: of the skin. prefix: of the roles of what is drawn.
+    """
     space = Space(units, True)
     pixel = float(collection.get("lappet_pixel", PIXEL))
     name = color.lower()
 
     def skin() -> bpy.types.Material:
-        made = skin_material.skin_material(name, pixel, highest, space)
+        made = skin_material.skin_material(name, pixel, highest, space, opacity)
         if name in ("grid", "checker"):
             _add_tile(made, name)
         return made
 
-    first = _kept(collection, f"skin {name}", f"{units:g} {pixel:.3f}", skin)
+    first = _kept(collection, f"skin {name}", f"{units:g} {pixel:.3f} {opacity:g}", skin)
     if name in SCALARS:
         skin_material.set_full_scale(first, highest)
     others = (
-        ("wall", skin_material.wall_material),
-        ("fat", skin_material.fat_material),
+        ("wall", partial(skin_material.wall_material, opacity=opacity)),
+        ("underside", skin_material.underside_material),
         ("rim", skin_material.rim_material),
     )
-    return (first, *(_kept(collection, role, f"{units:g}", partial(make, space)) for role, make in others))
+    made_for = f"{units:g} {opacity:g} {digest(layers).hex()}"
+    return (
+        first,
+        *(_kept(collection, f"{prefix}{role}", made_for, partial(make, layers, space)) for role, make in others),
+    )
 
 
 def has_materials(collection: bpy.types.Collection, color: str) -> bool:
@@ -67,7 +84,7 @@ def has_materials(collection: bpy.types.Collection, color: str) -> bool:
 
 
 def part_material(collection: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
-    """The material of a part: bed, edge, ink, thread, steel, landmark, a legend's card or ink, a label on no paper."""
+    """The material of a part: bed, edge, ink, thread, steel, landmark, kind of vessel, lumen, legend, label."""
     makers: dict[str, Callable[[], bpy.types.Material]] = {
         "bed": lambda: skin_material.bed_material(Space(units, True)),
         "edge": skin_material.edge_material,
@@ -75,6 +92,8 @@ def part_material(collection: bpy.types.Collection, role: str, units: float) -> 
         "thread": skin_material.thread_material,
         "steel": skin_material.steel_material,
         "landmark": skin_material.landmark_material,
+        **{kind: partial(skin_material.vessel_material, kind) for kind in VESSEL_KINDS},
+        "lumen": skin_material.lumen_material,
         "legend": lambda: skin_material.glowing_material("Legend", None),
         "label": lambda: skin_material.glowing_material("Label", (0.75, 0.75, 0.75, 1.0)),
         "legend ink": lambda: skin_material.glowing_material("Legend ink", (0.033, 0.03, 0.03, 1.0)),

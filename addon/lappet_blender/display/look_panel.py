@@ -26,6 +26,9 @@ class LAPPET_PT_look(SidebarPanel, bpy.types.Panel):
         parts.active = look.show_solved
         for name in ("show_walls", "show_sutures", "show_hooks", "show_landmarks", "show_plan"):
             parts.prop(look, name)
+        if scene.lappet.vessels:
+            parts.prop(look, "show_vessels")
+            parts.prop(look, "show_through")
         if scene.lappet.bones:
             parts.prop(look, "show_bone")
         if quantity_of(look) is not None:

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape, Manifest
 from lappet.core.problem import RefusedError
 from lappet.daemon.solved_frame import SolvedFrame
@@ -15,7 +16,7 @@ from lappet.geometry.curve import sample_curve
 from lappet.procedure.events import Basis
 from lappet.solve.bite_forces import bite_points
 
-from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
+from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 from ..model.event_kinds import BASIS_OF
 
 Lookup = Callable[[int], SolvedFrame | None]
@@ -156,8 +157,31 @@ class ManifestSource:
         return self._shape_of[epoch.name].rest
 
     def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """How deep below the edge of the skin vertices (n,) lie, mm."""
+        """How deep below the skin before any cut vertices (n,) lie, mm."""
         return self._shape_of[epoch.name].depth
+
+    @property
+    def layers(self) -> TissueLayers:
+        """The layers of the tissue."""
+        return self.manifest.layers
+
+    def column(self, epoch: SkinEpoch) -> NDArray[np.int32]:
+        """The column of layers that triangles (m,) lie in."""
+        found = self._shape_of[epoch.name].column
+        return found if len(found) else np.zeros(len(epoch.triangles), np.int32)
+
+    def vessels(self, time: float) -> list[VesselLine]:
+        """The pieces of vessels at a frame; at rest where it is not known."""
+        manifest, epoch = self.manifest, self.epoch_at(time)
+        if not manifest.vessels_at:
+            return []
+        pieces, frame = manifest.vessels_at[self._epochs.index(epoch)], self.frame(time)
+        fits = frame is not None and frame.vessel_points.shape == pieces.points.shape
+        lines = pieces.split(frame.vessel_points if frame is not None and fits else pieces.points)
+        return [
+            VesselLine(manifest.vessels[k].kind, line, manifest.vessels[k].radius, (bool(begin), bool(end)))
+            for k, line, (begin, end) in zip(pieces.vessel, lines, pieces.divided, strict=True)
+        ]
 
     def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there.

@@ -6,35 +6,40 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape
+from lappet.core.digest import digest
 
 from ..look.quantity_scale import ramp_linear
-from ..look.skin_fields import RIM, SKIN, UNDERSIDE
+from ..look.skin_fields import SKIN
 from ..look.skin_import import set_attribute
-from ..look.skin_material import DERMIS, DERMIS_PALE, FAT
 from ..look.skin_material import SKIN as SKIN_COLOR
 
 ATTRIBUTE = "Color"
 _STATE = "lappet_color"
 _STEPS = 512
 _LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)
-_FAT_DEPTH = 2.9
 _base: dict[str, NDArray[np.float32]] = {}
 _inners: dict[str, NDArray[np.int64]] = {}
 _table: list[NDArray[np.float32]] = []
 
 
 def color_vertices(
-    mesh: bpy.types.Mesh, shape: EpochShape, quantity: NDArray[np.float32] | None, highest: float
+    mesh: bpy.types.Mesh,
+    shape: EpochShape,
+    layers: TissueLayers,
+    quantity: NDArray[np.float32] | None,
+    highest: float,
 ) -> None:
-    """Set the color attribute: flesh by origin and depth, or the ramp on the skin and gray below it.
+    """Set the color attribute: skin and the layers below it, or the ramp on the skin and gray below it.
 
     The ramp shows a quantity (n,) where one is given. highest: the value at the top of the ramp.
     """
     if quantity is None:
-        if mesh.get(_STATE) != "flesh":
-            _set(mesh, _flesh(shape))
-            mesh[_STATE] = "flesh"
+        state = f"flesh {digest(layers).hex()}"
+        if mesh.get(_STATE) != state:
+            _set(mesh, _flesh(shape, layers))
+            mesh[_STATE] = state
         return
     if not _table:
         ramp = np.ones((_STEPS, 4), np.float32)
@@ -43,7 +48,7 @@ def color_vertices(
     share = np.nan_to_num(quantity * np.float32(_STEPS / max(highest, 1e-9)))
     colors = _table[0][np.clip(share, 0, _STEPS - 1).astype(np.int32)]
     inner = _inner(shape)
-    flesh = _flesh(shape)[inner]
+    flesh = _flesh(shape, layers)[inner]
     colors[inner, :3] = (flesh[:, :3] @ _LUMINANCE)[:, None]  # in its own colors it would read as high values
     _set(mesh, colors)
     mesh[_STATE] = "quantity"
@@ -67,18 +72,17 @@ def _inner(shape: EpochShape) -> NDArray[np.int64]:
     return _inners[shape.key]
 
 
-def _flesh(shape: EpochShape) -> NDArray[np.float32]:
-    if shape.key not in _base:
+def _flesh(shape: EpochShape, layers: TissueLayers) -> NDArray[np.float32]:
+    key = f"{shape.key} {digest(layers).hex()}"
+    if key not in _base:
         if len(_base) > 32:
             _base.clear()
-        deep = np.clip((shape.depth / _FAT_DEPTH)[:, None], 0.0, 1.0) ** 3
-        colors = ((1.0 - deep) * np.array(DERMIS) + deep * np.array(FAT)).astype(np.float32)
-        for label, color in ((UNDERSIDE, FAT), (RIM, DERMIS_PALE)):
-            only = np.setdiff1d(shape.triangles[shape.origin == label], shape.triangles[shape.origin != label])
-            colors[only] = color
-        inner = _inner(shape)
-        flesh = colors[inner].copy()
+        column = np.zeros(len(shape.rest), np.int32)
+        if len(shape.column):
+            column[shape.triangles] = shape.column[:, None]
+        colors = np.ones((len(shape.rest), 4), np.float32)
         colors[:] = SKIN_COLOR
-        colors[inner] = flesh
-        _base[shape.key] = colors
-    return _base[shape.key]
+        inner = _inner(shape)
+        colors[inner, :3] = layers.colors_at(column[inner], shape.depth[inner])
+        _base[key] = colors
+    return _base[key]

@@ -5,10 +5,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+
+from lappet.procedure import VESSEL_KINDS
 
 from ..figure.framing import SurgicalField, field_around
 from ..look.deep_bed import DeepBed
@@ -19,6 +22,7 @@ from ..look.skin_marks import SkinMarks
 from ..look.skin_source import SkinEpoch
 from ..look.suture_thread import SutureThread
 from ..look.tube import TOPOLOGY, draw_tubes
+from ..look.vessel_tubes import VesselTubes
 from ..look.wound_edge import WoundEdge
 from .display_collection import find_object, make_object, place, set_visible
 from .look_materials import part_material
@@ -92,6 +96,14 @@ class SkinDecorations:
         if time_slice.begins(self._bed is None and has_wound(epoch)):
             self._draw_bed(where, time)
         self._draw_landmarks(where, time, look.show_landmarks)
+        self._draw_vessels(where, time, look.show_vessels)
+
+    def _draw_vessels(self, where: Where, time: float, wanted: bool) -> None:
+        for kind in VESSEL_KINDS:
+            tubes = VesselTubes(self.source, kind)
+            self._tubes(where, kind, f"Vessels: {kind}", 12, wanted, partial(tubes.tubes, time))
+        lumen = VesselTubes(self.source, "", lumen=True)
+        self._tubes(where, "lumen", "Vessels: lumen", 12, wanted, partial(lumen.tubes, time))
 
     def _new_thread(self, before: SutureThread | None) -> SutureThread:
         return SutureThread(self.source, self._axes[0] + 0.6 * self._axes[1], self._scale, before=before)

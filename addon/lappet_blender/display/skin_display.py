@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from lappet.background.manifest import Manifest
 
 from ..look.skin_import import set_attribute
+from ..look.skin_material import TRANSLUCENT
 from ..model.units import mm_per_unit
 from ..solving import frames
 from ..solving.shown_frame import Shown
@@ -30,7 +31,7 @@ from .display_collection import (
     place,
     set_visible,
 )
-from .epoch_mesh import find_epoch_mesh, remove_unused, take_epoch_mesh
+from .epoch_mesh import find_epoch_mesh, remove_unused, set_layer_rows, take_epoch_mesh
 from .legend import show_legend
 from .look_materials import has_materials, part_material, quantity_of, skin_materials
 from .manifest_source import ManifestSource, fitting
@@ -235,7 +236,9 @@ def _draw_skin(
     """Show a skin; source_scene: whose procedure it is. None where its first picture was put off."""
     if not time_slice.begins(not has_materials(where.collection, look.color)):
         return None
-    materials = skin_materials(where.collection, look.color, highest, where.units)
+    layers = shown.manifest.layers
+    opacity = TRANSLUCENT if look.show_through else 1.0
+    materials = skin_materials(where.collection, look.color, highest, where.units, layers, opacity, where.prefix)
     role = f"{where.prefix}skin"
     before = find_object(where.collection, role)
     if before is not None and before.mode != "OBJECT":
@@ -261,7 +264,8 @@ def _draw_skin(
         found = None if frame is None else frame.scalar(quantity)
         values = np.zeros(len(points), np.float32) if found is None else found
         set_attribute(mesh, "quantity", "FLOAT", "POINT", values.astype(np.float32, copy=False))
-    color_vertices(mesh, shape, values, highest)
+    set_layer_rows(mesh, shape, layers)
+    color_vertices(mesh, shape, layers, values, highest)
     if list(mesh.materials) != list(materials):
         mesh.materials.clear()
         for material in materials:

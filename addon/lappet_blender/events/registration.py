@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from . import (
+    add_menu,
     cut_operators,
     edit_operators,
+    flap_operators,
     hold_operators,
     point_operators,
     suture_operators,
@@ -18,6 +20,8 @@ CLASSES = (
     *suture_operators.CLASSES,
     *edit_operators.CLASSES,
     *point_operators.CLASSES,
+    *flap_operators.CLASSES,
+    *add_menu.CLASSES,
     *timeline_panel.CLASSES,
 )
 
@@ -25,8 +29,10 @@ CLASSES = (
 def register() -> None:
     """Add the part."""
     target_watch.register()
+    add_menu.register()
 
 
 def unregister() -> None:
     """Take it away."""
+    add_menu.unregister()
     target_watch.unregister()

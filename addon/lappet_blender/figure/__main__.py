@@ -25,25 +25,33 @@ from numpy.typing import NDArray
 if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
 
+from lappet.procedure import VESSEL_KINDS
+
 from ..look.hook_steel import HookSteel
+from ..look.scenery import add_scenery
 from ..look.skin_import import Bed, SkinObject
 from ..look.skin_marks import SkinMarks
 from ..look.skin_material import (
+    TRANSLUCENT,
     backdrop_material,
     bed_material,
     edge_material,
-    fat_material,
     ink_material,
+    lumen_material,
+    mucosa_material,
     rim_material,
     skin_material,
     steel_material,
     thread_material,
+    underside_material,
+    vessel_material,
     wall_material,
 )
 from ..look.skin_read import SkinCache
 from ..look.skin_source import SCALARS, FigureError
 from ..look.suture_thread import SutureThread, buried_sutures
 from ..look.tube import add_tube_object, draw_tubes
+from ..look.vessel_tubes import VesselTubes
 from ..look.wound_edge import WoundEdge
 from .caption import load_picture, save_picture, shrunk
 from .figure_scene import (
@@ -60,7 +68,7 @@ from .figure_scene import (
 )
 from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
-from .framing import VIEWS, SurgicalField, surgical_field, viewpoint
+from .framing import VIEWS, SurgicalField, surgical_field, viewpoint, widened
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
 
@@ -74,6 +82,7 @@ class FigureRequest:
 
     frames: stills to write, None: the last. size: of stills; panel: of filmstrip panels; movie: of an animation; in
     pixels. samples, movie_samples: Cycles samples a pixel of stills and panels, and of an animation.
+    translucent: whether vessels show through the skin.
     """
 
     cache: Path
@@ -90,6 +99,7 @@ class FigureRequest:
     view: str = "oblique"
     color: str = "grid"
     threads: int = 0
+    translucent: bool = False
 
 
 class TubePart(Protocol):
@@ -97,6 +107,13 @@ class TubePart(Protocol):
 
     def tubes(self, time: float) -> tuple[Sequence[Any], Sequence[Any]]:
         """Lines (k, 3) and radii of a frame, mm."""
+
+
+class ScenePart(Protocol):
+    """Something in the scene that follows the frame."""
+
+    def show(self, time: float) -> None:
+        """Draw what there is at a frame."""
 
 
 class Drawn:
@@ -129,29 +146,35 @@ class Plate:
         self._highest = full_scale(cache, scalar) if scalar else 1.0
         view = viewpoint(field, request.view, half_angles(request.size))
         pixel = 2 * view.distance * half_angles(request.size)[0] / request.size[0]
+        opacity = TRANSLUCENT if request.translucent else 1.0
         materials = [
-            skin_material(request.color, pixel, self._highest),
-            wall_material(),
-            fat_material(),
-            rim_material(),
+            skin_material(request.color, pixel, self._highest, opacity=opacity),
+            wall_material(cache.layers, opacity=opacity),
+            underside_material(cache.layers),
+            mucosa_material() if cache.scenery else rim_material(cache.layers),
         ]
         self._skin = SkinObject(cache, materials, scalar)
         right = view.axes[0] - (view.axes[0] @ field.normal) * field.normal
         right /= np.linalg.norm(right)
         seen = np.stack([right, np.cross(field.normal, right), field.normal])
         scale = field.stitch_scale
-        self._parts = (
+        self._parts: tuple[ScenePart, ...] = (
             self._skin,
             Bed(cache, bed_material()),
             Drawn("Wound edge", WoundEdge(cache), edge_material(), 6),
             Drawn("Marks", SkinMarks(cache), ink_material(), 6),
             Drawn("Sutures", SutureThread(cache, 1.0 * seen[0] + 0.6 * seen[1], scale, hidden), thread_material(), 8),
+            *(Drawn(f"Vessels: {kind}", VesselTubes(cache, kind), vessel_material(kind), 20) for kind in VESSEL_KINDS),
+            Drawn("Vessels: lumen", VesselTubes(cache, "", lumen=True), lumen_material(), 20),
             Drawn("Hooks", HookSteel(cache, seen, field.center, scale), steel_material(), 16),
         )
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)
         )
+        for mesh in cache.scenery:
+            lowest = min(lowest, float((mesh.points @ field.normal).min()))
         studio = figure_studio()
+        add_scenery(cache.scenery, studio.collection, pixel)
         add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
         add_lights(field, studio)
         add_camera(view, studio)
@@ -185,7 +208,7 @@ def draw_figures(
     steps = _steps(cache, request, surgical_field(cache, stills).normal, len(hidden)) if request.filmstrip else []
     movie = cache.frames if request.animation != "none" else ()
     shown = tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]}))
-    field = surgical_field(cache, shown)
+    field = _field(cache, shown)
     _make_folder(request.out)
     plate = Plate(cache, field, request, shown, hidden)
     total = len(stills) + len(steps) + bool(steps) + len(movie) + (request.animation == "mp4")
@@ -217,6 +240,15 @@ def draw_figures(
     if movie:
         _draw_animation(plate, request, movie, cache.fps, done, note)
     return written
+
+
+def _field(cache: SkinCache, frames: tuple[float, ...]) -> SurgicalField:
+    """The field of a picture; on a body that is shown, with what is around it."""
+    field = surgical_field(cache, frames)
+    if not cache.scenery:
+        return field
+    epoch = cache.epochs[0]
+    return widened(field, cache.rest(epoch)[np.unique(epoch.triangles)].astype(np.float64))
 
 
 def _draw_animation(
@@ -308,6 +340,7 @@ def parse_request(arguments: list[str] | None = None) -> FigureRequest:
     parser.add_argument("--view", choices=tuple(VIEWS), default="oblique")
     parser.add_argument("--color", choices=COLORS, default="grid")
     parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--translucent", action=argparse.BooleanOptionalAction, default=False)
     values = vars(parser.parse_args(arguments))
     width, height = values["size"]
     values["panel"] = values["panel"] or _part((width, height), 7 / 16)

@@ -122,7 +122,7 @@ def _pull_steps(
     if last > top:
         # Around what is excised one incision runs; more of them cut a flap.
         flap = sum(e.kind == "Incision" for e in cuts) > 1 or all(e.kind != "Excision" for e in cuts)
-        moved = "Transposed" if flap else "Advanced"
+        moved = "Laid in place" if flap else "Advanced"
         steps.append(Step(last, moved if sutures else "Held"))
     return steps
 

@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from lappet.anatomy.tissue_layers import layer_search
 from lappet.background.make_manifest import epoch_shapes, make_manifest
 from lappet.background.manifest import Manifest
 from lappet.background.manifest_store import put_manifest
@@ -121,7 +122,8 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     assert found.cache is not None
     cache = SkinCache(found.cache)
     program = compiled(scene, procedure, found.spacing)
-    shapes = epoch_shapes(program.epochs, procedure.tissue)
+    search = layer_search(procedure.tissue, procedure.materials)
+    shapes = epoch_shapes(program.epochs, procedure.tissue, search)
     shape_at = {epoch.index: shape for epoch, shape in zip(program.epochs, shapes, strict=True)}
     times = {round(frame.time): i for i, frame in enumerate(program.frames)}
     indices = {time: times[round(time)] for time in cache.frames if round(time) in times}
@@ -141,7 +143,7 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
         own = hashlib.blake2b(f"{found.last_key} {last:g}".encode() + found.cache.read_bytes(), digest_size=16)
         keys = tuple(f"{own.hexdigest()}{i:08x}" for i in range(len(program.frames)))
     manifest_key = hashlib.blake2b("imported".join(keys).encode(), digest_size=32).hexdigest()
-    manifest = make_manifest(manifest_key, program, keys, shapes)
+    manifest = make_manifest(manifest_key, program, keys, shapes, search.layers)
     frames: dict[str, SolvedFrame] = {}
     for time, index in indices.items():
         epoch, listed = cache.epoch_at(time), manifest.frames[index]
@@ -158,6 +160,7 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
             **scalars,
             landmark_index=landmarks,
             landmarks=cache.landmarks(time)[landmarks].astype(np.float64),
+            vessel_points=cache.vessel_points(time),
             hook_index=hooks,
             hook_points=cache.hooks(time).ends[hooks, 0].astype(np.float64),
             suture_index=sutures,

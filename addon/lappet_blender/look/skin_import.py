@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .deep_bed import DeepBed
-from .skin_fields import SKIN, depth_below_skin, uv_scale
+from .layer_image import ROW, layer_rows
+from .skin_fields import SKIN, uv_scale
 from .skin_read import SkinCache
 from .skin_source import SkinEpoch
 
@@ -99,7 +100,9 @@ class SkinObject:
         mark_sharp_borders(mesh, epoch.origin)
         st = epoch.st if epoch.st is not None else points[epoch.triangles][:, :, :2]
         set_attribute(mesh, "grid", "FLOAT2", "CORNER", (st * self._grid_scale).astype(np.float32))
-        set_attribute(mesh, "depth", "FLOAT", "POINT", depth_below_skin(points, epoch.triangles, epoch.origin))
+        set_attribute(mesh, "depth", "FLOAT", "POINT", self._cache.depth(epoch))
+        rows = layer_rows(self._cache.layers, self._cache.column(epoch))
+        set_attribute(mesh, ROW, "FLOAT", "FACE", rows)
         return mesh
 
 

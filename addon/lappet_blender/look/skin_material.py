@@ -10,13 +10,16 @@ from typing import Any
 
 import bpy
 
+from lappet.anatomy.tissue_kind import KIND_COLORS, KINDS
+from lappet.anatomy.tissue_layers import TissueLayers
+from lappet.procedure.vessel import VESSEL_COLORS
+
+from .layer_image import ROW, depth_reach, layer_image
 from .skin_source import SCALARS
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
-DERMIS = (0.66, 0.20, 0.175, 1.0)
-DERMIS_PALE = (0.80, 0.40, 0.33, 1.0)
-FAT = (0.86, 0.60, 0.20, 1.0)
+MUCOSA = (0.62, 0.27, 0.24, 1.0)
 BED = (0.47, 0.115, 0.10, 1.0)
 EDGE = (0.30, 0.045, 0.04, 1.0)
 VIOLET = (0.115, 0.045, 0.26, 1.0)
@@ -48,6 +51,8 @@ class Space:
 
 
 FIGURE = Space()
+_MOTTLE, _PALE = 0.22, 0.3
+TRANSLUCENT = 0.35  # opacity of skin and walls through which vessels are to show
 FULL_SCALE = "lappet_full_scale"  # the node that divides `quantity`
 
 
@@ -164,10 +169,12 @@ def set_full_scale(material: bpy.types.Material, highest: float) -> None:
         node.inputs[1].default_value = highest
 
 
-def skin_material(color: str, pixel: float, highest: float = 1.0, space: Space = FIGURE) -> bpy.types.Material:
+def skin_material(
+    color: str, pixel: float, highest: float = 1.0, space: Space = FIGURE, opacity: float = 1.0
+) -> bpy.types.Material:
     """The skin. color: plain, grid, checker, strain, stress or tension; these three map `quantity` from 0 to highest.
 
-    pixel: size of a picture's pixel on the skin, mm.
+    pixel: size of a picture's pixel on the skin, mm. opacity: below 1 what lies in the tissue shows through.
     """
     nodes = _Nodes("Skin", space)
     mottle = nodes.noise(1.1, 3.0)
@@ -182,50 +189,86 @@ def skin_material(color: str, pixel: float, highest: float = 1.0, space: Space =
         tone = nodes.mix(_grid(nodes, pixel), tone, GRID_INK)
     # Subsurface scattering would cost half of the render time again; warm color and soft light stand in for it.
     material = nodes.finish(tone, Roughness=0.55, Specular_IOR_Level=0.32)
-    material.diffuse_color = SKIN
+    nodes.put(nodes.bsdf.inputs["Alpha"], opacity)
+    material.diffuse_color = (*SKIN[:3], opacity)
     return material
 
 
-def wall_material(space: Space = FIGURE) -> bpy.types.Material:
-    """A wound wall: pale edge, red dermis, towards yellow fat at depth, moist."""
-    nodes = _Nodes("Wound wall", space)
-    blotch = nodes.noise(5.0, 3.0)
+def _layer_color(nodes: _Nodes, layers: TissueLayers, uneven: float) -> Any:
+    """The color of the layer that a face shows. uneven: by how much the borders of layers waver, mm."""
     depth = nodes.attribute("depth").outputs["Fac"]
-    uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", blotch, 0.5), 1.6, depth)
-    share = nodes.math("DIVIDE", uneven, 4.0)
-    stops = ((0.0, DERMIS_PALE), (0.16, DERMIS), (0.5, DERMIS), (0.72, (0.72, 0.33, 0.17)), (0.95, (0.82, 0.53, 0.20)))
-    color = nodes.ramp(share, stops)
+    if layers.deepest_border > 0.0:
+        waver = nodes.math("SUBTRACT", nodes.noise(5.0, 3.0), 0.5)
+        depth = nodes.math("MAXIMUM", nodes.math("MULTIPLY_ADD", waver, 2.0 * uneven, depth), 0.0)
+    across = nodes.math("DIVIDE", depth, depth_reach(layers))
+    place = nodes.add("ShaderNodeCombineXYZ", {0: across, 1: nodes.attribute(ROW).outputs["Fac"]}).outputs[0]
+    picture = nodes.add("ShaderNodeTexImage", {0: place}, interpolation="Closest", extension="EXTEND")
+    picture.image = layer_image(layers)
+    blotch = nodes.math("MULTIPLY", nodes.noise(4.0, 3.0), _MOTTLE)
+    return nodes.mix(blotch, picture.outputs["Color"], (0.0, 0.0, 0.0, 1.0))
+
+
+def _first_color(layers: TissueLayers) -> tuple[float, float, float, float]:
+    """The color of the first layer, for shading that knows no nodes."""
+    return (*KIND_COLORS[KINDS[int(layers.kind[0])]], 1.0)
+
+
+def wall_material(layers: TissueLayers, space: Space = FIGURE, opacity: float = 1.0) -> bpy.types.Material:
+    """A wound wall: the layers of the tissue where they are, moist."""
+    nodes = _Nodes("Wound wall", space)
+    color = _layer_color(nodes, layers, 0.3)
     nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
     material = nodes.finish(color, Roughness=0.32, Emission_Color=color, Emission_Strength=0.07)
-    material.diffuse_color = DERMIS
+    nodes.put(nodes.bsdf.inputs["Alpha"], opacity)
+    material.diffuse_color = _first_color(layers)
     return material
 
 
-def rim_material(space: Space = FIGURE) -> bpy.types.Material:
-    """The cut rim of a patch: a quiet section through dermis and fat."""
+def rim_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Material:
+    """The cut rim of a patch: a quiet section through its layers."""
     nodes = _Nodes("Rim", space)
-    uneven = nodes.math(
-        "MULTIPLY_ADD", nodes.math("SUBTRACT", nodes.noise(5.0), 0.5), 0.7, nodes.attribute("depth").outputs["Fac"]
-    )
-    color = nodes.ramp(
-        nodes.math("DIVIDE", uneven, 4.0), ((0.0, SKIN), (0.08, DERMIS_PALE), (0.34, DERMIS_PALE), (0.46, FAT))
-    )
-    material = nodes.finish(color, Roughness=0.6)
-    material.diffuse_color = DERMIS_PALE
+    pale = nodes.mix(_PALE, _layer_color(nodes, layers, 0.1), SKIN)
+    material = nodes.finish(pale, Roughness=0.6)
+    material.diffuse_color = _first_color(layers)
     return material
 
 
-def fat_material(space: Space = FIGURE) -> bpy.types.Material:
-    """The underside of the skin: lobules of pale yellow fat."""
+def mucosa_material(space: Space = FIGURE) -> bpy.types.Material:
+    """A free border of the tissue, such as the edge of a lid or a lip: moist and red, no cut."""
+    nodes = _Nodes("Mucosa", space)
+    return nodes.finish(MUCOSA, Roughness=0.3)
+
+
+def plain_material(name: str, color: tuple[float, float, float, float], roughness: float) -> bpy.types.Material:
+    """A material of one color."""
+    return _Nodes(name).finish(color, Roughness=roughness)
+
+
+def underside_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Material:
+    """The underside of the tissue: its deepest layer, lobules where that is fat."""
     nodes = _Nodes("Underside", space)
-    cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": nodes.position(), "Scale": 4.5}, feature="SMOOTH_F1").outputs[
-        "Distance"
-    ]
-    color = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
-    nodes.bump(nodes.math("SUBTRACT", 1.0, cells), 0.6, 0.06)
+    color = _layer_color(nodes, layers, 0.3)
+    if KINDS.index("fat") in layers.kind:
+        cells = nodes.add(
+            "ShaderNodeTexVoronoi", {"Vector": nodes.position(), "Scale": 4.5}, feature="SMOOTH_F1"
+        ).outputs["Distance"]
+        nodes.bump(nodes.math("SUBTRACT", 1.0, cells), 0.6, 0.06)
+    else:
+        nodes.bump(nodes.noise(7.0, 4.0), 0.3, 0.04)
     material = nodes.finish(color, Roughness=0.36, Emission_Color=color, Emission_Strength=0.05)
-    material.diffuse_color = FAT
+    material.diffuse_color = _first_color(layers)
     return material
+
+
+def vessel_material(kind: str) -> bpy.types.Material:
+    """A vessel or nerve in the color that atlases give its kind."""
+    color = (*VESSEL_COLORS[kind], 1.0)
+    return _Nodes(kind.capitalize()).finish(color, Roughness=0.34, Specular_IOR_Level=0.4)
+
+
+def lumen_material() -> bpy.types.Material:
+    """The opening of a cut vessel."""
+    return _Nodes("Lumen").finish((0.012, 0.003, 0.003, 1.0), Roughness=0.5)
 
 
 def bed_material(space: Space = FIGURE) -> bpy.types.Material:

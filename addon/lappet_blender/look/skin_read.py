@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_kind import KINDS
+from lappet.anatomy.tissue_layers import TissueLayers
+
+from .scenery_read import SceneryMesh, read_scenery
 from .skin_fields import depth_below_skin
-from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands
+from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 
 
 class SkinCache:
@@ -46,6 +50,7 @@ class SkinCache:
         if not self.frames:
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
         self.events = self._events()
+        self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
 
     def epoch_at(self, time: float) -> SkinEpoch:
         """The epoch that is shown at a frame; raises FigureError where the cache has no such frame."""
@@ -98,8 +103,52 @@ class SkinCache:
         return self._rest[epoch.name]
 
     def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """How deep below the edge of the skin the vertices (n,) of walls and rims lie at rest, mm."""
+        """How deep below the skin before any cut the vertices (n,) lie, mm; below its edge in caches that lack this."""
+        primvar = epoch.prim.GetAttribute("primvars:depth").Get()
+        if primvar is not None and len(primvar) == len(self.rest(epoch)):
+            return np.asarray(primvar, np.float32) * np.float32(self._mm)
         return depth_below_skin(self.rest(epoch), epoch.triangles, epoch.origin)
+
+    @property
+    def layers(self) -> TissueLayers:
+        """The layers of the tissue; one of skin in caches that lack them."""
+        prim = self._stage.GetPrimAtPath("/Procedure/Skin/Layers")
+        names = ("column", "depthFrom", "kind", "material")
+        found = [prim.GetAttribute(f"lappet:{name}").Get() or () if prim else () for name in names]
+        if not len(found[0]) or any(len(each) != len(found[0]) for each in found):
+            return TissueLayers()
+        column, tops, kinds, materials = found
+        known = [KINDS.index(str(kind)) if str(kind) in KINDS else KINDS.index("other") for kind in kinds]
+        depths = np.asarray(tops, np.float64) * self._mm
+        return TissueLayers(np.asarray(column, np.int32), depths, np.array(known, np.int32), tuple(materials))
+
+    def column(self, epoch: SkinEpoch) -> NDArray[np.int32]:
+        """The column of layers that the triangles (m,) of an epoch lie in; the first in caches that lack them."""
+        found = epoch.prim.GetAttribute("primvars:layerColumn").Get()
+        fits = found is not None and len(found) == len(epoch.triangles)
+        return np.asarray(found, np.int32) if fits else np.zeros(len(epoch.triangles), np.int32)
+
+    def vessels(self, time: float) -> list[VesselLine]:
+        """The pieces of vessels at a frame."""
+        prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/Vessels/{self.epoch_at(time).name}")
+        if not prim:
+            return []
+        points, counts = self.vessel_points(time), np.asarray(prim.GetAttribute("curveVertexCounts").Get(), np.int64)
+        kinds, widths, begins, ends = (
+            prim.GetAttribute(name).Get()
+            for name in ("primvars:kind", "widths", "primvars:beginDivided", "primvars:endDivided")
+        )
+        lines = np.split(points, np.cumsum(counts)[:-1])
+        return [
+            VesselLine(str(kind), line, 0.5 * float(width) * self._mm, (bool(begin), bool(end)))
+            for kind, line, width, begin, end in zip(kinds, lines, widths, begins, ends, strict=True)
+        ]
+
+    def vessel_points(self, time: float) -> NDArray[np.float64]:
+        """The points (v, 3) of all pieces of vessels at a frame, mm."""
+        prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/Vessels/{self.epoch_at(time).name}")
+        points = prim.GetAttribute("points").Get(time) if prim else None
+        return np.asarray(points if points is not None else [], np.float64).reshape(-1, 3) * self._mm
 
     def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm.

@@ -8,6 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import TissueLayers
+
 ORIGINS = ("skin", "woundWall", "underside", "rim")
 SCALARS = ("strain", "stress", "tension")
 
@@ -48,6 +50,16 @@ class Strands:
 
     ends: NDArray[np.float32]
     active: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class VesselLine:
+    """A piece of a vessel at one frame. points: (k, 3) mm. radius: mm. divided: whether its begin and end were cut."""
+
+    kind: str
+    points: NDArray[np.float64]
+    radius: float
+    divided: tuple[bool, bool]
 
 
 class SkinSource(Protocol):
@@ -93,7 +105,17 @@ class SkinSource(Protocol):
         """Vertex positions (n, 3) of an epoch at rest, or at the first frame that is known, mm."""
 
     def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """How deep below the edge of the skin the vertices (n,) of walls and rims lie, mm; 0 elsewhere."""
+        """How deep below the skin before any cut the vertices (n,) lie, mm; 0 on the skin."""
+
+    @property
+    def layers(self) -> TissueLayers:
+        """The layers of the tissue."""
+
+    def column(self, epoch: SkinEpoch) -> NDArray[np.int32]:
+        """The column of layers that the triangles (m,) of an epoch lie in."""
+
+    def vessels(self, time: float) -> list[VesselLine]:
+        """The pieces of vessels at a frame."""
 
     def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm."""

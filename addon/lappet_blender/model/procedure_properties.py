@@ -12,7 +12,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from lappet.procedure import MODELS, Material, Tissue
+from lappet.procedure import MODELS, VESSEL_KINDS, Material, Tissue, Vessel
 from lappet.program.settings import SolverSettings
 
 from .changes import property_changed
@@ -222,6 +222,21 @@ class LappetSkinLine(bpy.types.PropertyGroup):
     )
 
 
+class LappetVessel(bpy.types.PropertyGroup):
+    """A vessel or nerve in the tissue; `name` is that of its prim."""
+
+    points: CollectionProperty(type=LappetPoint)
+    basis: EnumProperty(name="Curve", items=BASES, update=property_changed)
+    kind: choice(name="Kind", items=tuple((kind.upper(), kind.capitalize(), "") for kind in VESSEL_KINDS))
+    radius: number(
+        name="Radius", description="Outer radius, mm", default=Vessel.radius, min=0.01, soft_max=3.0, precision=2
+    )
+    label: text(name="Label", description="Name in pictures and reports; empty = the vessel's name")
+    typical_course: flag(
+        name="Typical course", description="The course is that of a textbook, not this patient's", default=False
+    )
+
+
 class LappetSolving(bpy.types.PropertyGroup):
     """How the procedure is solved."""
 
@@ -273,6 +288,10 @@ class LappetLook(bpy.types.PropertyGroup):
     show_sutures: flag(name="Sutures", default=True)
     show_hooks: flag(name="Hooks", default=True)
     show_landmarks: flag(name="Landmarks", default=True)
+    show_vessels: flag(name="Vessels", default=True)
+    show_through: flag(
+        name="Through the skin", description="Make the skin translucent, so that vessels show through it", default=False
+    )
     show_legend: flag(name="Legend", description="Show the color scale beside the skin, also in renders", default=True)
     show_lattice: flag(name="Lattice", description="The cells of the lattice over the tissue", default=False)
     show_plan: flag(name="Plan", description="Lines and points of the events on the skin", default=True)
@@ -288,6 +307,7 @@ class LappetProcedure(bpy.types.PropertyGroup):
     active_material: IntProperty(default=0)
     regions: CollectionProperty(type=LappetRegion)
     skin_lines: CollectionProperty(type=LappetSkinLine)
+    vessels: CollectionProperty(type=LappetVessel)
     active_region: IntProperty(default=0)
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
@@ -305,6 +325,7 @@ CLASSES = (
     LappetMaterial,
     LappetRegion,
     LappetSkinLine,
+    LappetVessel,
     LappetBone,
     LappetTissue,
     LappetSolving,

@@ -17,6 +17,7 @@ from .material_values import material_values
 from .scene_filling import fill_scene
 from .skin_line_values import skin_line_values
 from .tissue_values import bone_values, tissue_value
+from .vessel_values import vessel_values
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ def read_scene(scene: bpy.types.Scene) -> SceneReading:
         events=(*events, *kept.events),
         bones=bones,
         skin_lines=skin_line_values(scene),
+        vessels=vessel_values(scene),
         start_time=float(scene.frame_start),
         end_time=float(scene.frame_end),
         fps=scene.render.fps / decimal(scene.render.fps_base),

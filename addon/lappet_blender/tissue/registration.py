@@ -12,12 +12,14 @@ from . import (
     group_operators,
     material_operators,
     material_panel,
+    model_operators,
     overlay,
     repair_operators,
     skin_line_operators,
     tissue_check,
     tissue_operators,
     tissue_panel,
+    vessel_operators,
 )
 
 CLASSES = (
@@ -26,6 +28,8 @@ CLASSES = (
     *bone_operators.CLASSES,
     *material_operators.CLASSES,
     *skin_line_operators.CLASSES,
+    *model_operators.CLASSES,
+    *vessel_operators.CLASSES,
     *repair_operators.CLASSES,
     *check_operator.CLASSES,
     *tissue_panel.CLASSES,

@@ -111,6 +111,24 @@ class LAPPET_PT_tissue_skin_lines(_Part, bpy.types.Panel):
         layout.operator("lappet.skin_lines_add", icon="CURVE_DATA")
 
 
+class LAPPET_PT_tissue_vessels(_Part, bpy.types.Panel):
+    """Vessels and nerves, which move with the tissue and are divided where incisions cross them"""
+
+    bl_label = "Vessels"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = with_fields(self.layout)
+        for vessel in context.scene.lappet.vessels:
+            column = layout.column(align=True)
+            row = column.row(align=True)
+            row.prop(vessel, "kind", text=vessel.name)
+            row.operator("lappet.vessel_remove", text="", icon="X").name = vessel.name
+            column.prop(vessel, "label")
+            column.prop(vessel, "radius")
+            column.prop(vessel, "typical_course")
+        layout.operator("lappet.vessels_add", icon="CURVE_DATA")
+
+
 def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     obj = scene.lappet.tissue.object
     counts = dict(group_counts(obj))
@@ -187,4 +205,10 @@ def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Pr
         row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index
 
 
-CLASSES = (LAPPET_PT_tissue, LAPPET_PT_tissue_faces, LAPPET_PT_tissue_surroundings, LAPPET_PT_tissue_skin_lines)
+CLASSES = (
+    LAPPET_PT_tissue,
+    LAPPET_PT_tissue_faces,
+    LAPPET_PT_tissue_surroundings,
+    LAPPET_PT_tissue_skin_lines,
+    LAPPET_PT_tissue_vessels,
+)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lappet.geometry.labeled_surface import FaceOrigin
 
 from ..model.event_properties import LappetEvent
-from ..model.procedure_properties import LappetSkinLine
+from ..model.procedure_properties import LappetSkinLine, LappetVessel
 from ..model.units import to_mm
 from .rest_line import rest_samples
 from .shown_surface import ShownSurface, shown_surface
@@ -60,8 +60,8 @@ def handles_of(scene: bpy.types.Scene, time: float, viewport: bpy.types.SpaceVie
     return found
 
 
-def event_points(event: LappetEvent | LappetSkinLine) -> NDArray[np.float64]:
-    """The points (n, 3) of an event or of a line of the skin at rest, mm."""
+def event_points(event: LappetEvent | LappetSkinLine | LappetVessel) -> NDArray[np.float64]:
+    """The points (n, 3) of an event, of a line of the skin or of a vessel at rest, mm."""
     flat = np.empty(3 * len(event.points), np.float32)
     event.points.foreach_get("co", flat)
     return flat.reshape(-1, 3).astype(np.float64)

@@ -10,9 +10,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.procedure.vessel import VESSEL_COLORS
+
 from ..look.dashed_line import dashes
 from ..model.event_properties import LappetEvent
 from ..model.mesh_values import GROUP
+from ..model.vessel_values import KIND_OF
 from .drawing import DrawnLine
 from .handles import LINE_KINDS, event_points, is_closed
 from .rest_line import beside, rest_samples, world_runs
@@ -98,6 +101,14 @@ def add_skin_lines(line_set: LineSet, surface: ShownSurface, scene: bpy.types.Sc
     for line in scene.lappet.skin_lines:
         for run in _runs(surface, event_points(line), line.basis, False):
             line_set.line(run, OCHRE, 0.6 * _WIDTH)
+
+
+def add_vessels(line_set: LineSet, surface: ShownSurface, scene: bpy.types.Scene) -> None:
+    """Add where vessels run below the skin, in the colors of their kinds."""
+    for vessel in scene.lappet.vessels:
+        color = (*VESSEL_COLORS[KIND_OF[vessel.kind]], 1.0)
+        for run in _runs(surface, event_points(vessel), vessel.basis, False):
+            line_set.line(run, color, _WIDTH)
 
 
 def add_preview_lines(line_set: LineSet, surface: ShownSurface, line: DrawnLine, color: Color = VIOLET) -> None:
@@ -201,4 +212,5 @@ def plan_key(scene: bpy.types.Scene) -> tuple[Any, ...]:
         points = event_points(e).tobytes()
         rows.append((e.uid, e.enabled, e.start, e.end, e.basis, e.closed, e.kerf, e.grip, e.label, points, target))
     lines = tuple((line.basis, event_points(line).tobytes()) for line in scene.lappet.skin_lines)
-    return (scene.lappet.active_event, tuple(rows), lines)
+    vessels = tuple((each.kind, each.basis, event_points(each).tobytes()) for each in scene.lappet.vessels)
+    return (scene.lappet.active_event, tuple(rows), lines, vessels)

@@ -26,6 +26,7 @@ from .plan_lines import (
     add_event_lines,
     add_preview_lines,
     add_skin_lines,
+    add_vessels,
     arrow,
     event_color,
     plan_key,
@@ -70,6 +71,7 @@ def plan_lines(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", d
     line_set = LineSet()
     if done:  # whoever only looks at a solved skin wants no plan over it
         add_skin_lines(line_set, surface, scene)
+        add_vessels(line_set, surface, scene)
     for index, event in enumerate(scene.lappet.events):
         active = index == scene.lappet.active_event
         seen = surface.solved and event.kind not in ("LANDMARK", "RETRACTOR") and event.start <= time

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
+from lappet.anatomy.tissue_layers import LayerSearch, layer_search
 from lappet.background.make_manifest import epoch_shapes, make_manifest
 from lappet.background.manifest import EpochShape, Manifest
 from lappet.background.manifest_key import manifest_key
@@ -127,7 +128,8 @@ class Compilation:
             raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
         step()
         spacing = settings.spacing or procedure.tissue.spacing
-        epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), step)
+        search = layer_search(procedure.tissue, procedure.materials)
+        epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), search, step)
         step()
         program = compile_program(
             procedure,
@@ -135,22 +137,24 @@ class Compilation:
             settings,
         )
         step()
-        manifest = make_manifest(key, program, frame_keys(program, self.identity), shapes, problems)
+        manifest = make_manifest(key, program, frame_keys(program, self.identity), shapes, search.layers, problems)
         put_manifest(self._store, manifest)
         return Compiled(manifest, program)
 
-    def _cut(self, procedure: Procedure, step: Callable[[], None]) -> tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]:
-        """The epochs of a procedure and what is shown of them: known again by the mesh, the cuts and the spacing."""
+    def _cut(
+        self, procedure: Procedure, search: LayerSearch, step: Callable[[], None]
+    ) -> tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]:
+        """The epochs of a procedure and what is shown of them: known by mesh, regions, cuts and spacing."""
         tissue = procedure.tissue
         mesh = (tissue.points, tissue.face_vertex_counts, tissue.face_vertex_indices, tissue.uv, tissue.subsets)
         cuts = tuple(replace(event, name="") for event in procedure.events if isinstance(event, CUTS))
-        key = digest(mesh, tissue.spacing, procedure.start_time, cuts).hex()
+        key = digest(mesh, tissue.regions, tissue.spacing, procedure.start_time, cuts).hex()
         known = self._epochs.get(key)
         if known is None:
             epochs = tuple(build_epochs(procedure))
             self.epochs_built += 1
             step()
-            known = epochs, epoch_shapes(epochs, tissue)
+            known = epochs, epoch_shapes(epochs, tissue, search)
             self._epochs.put(key, known)
         return known
 

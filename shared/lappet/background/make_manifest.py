@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import LayerSearch, TissueLayers
 from lappet.background.manifest import EpochShape, ListedFrame, Manifest
-from lappet.background.skin_shape import depth_below_skin, uv_scale
+from lappet.background.skin_shape import uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
 from lappet.core.problem import Problem
@@ -20,7 +21,12 @@ from lappet.program.program import Program
 
 
 def make_manifest(
-    key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[Problem] = ()
+    key: str,
+    program: Program,
+    frames: Sequence[str],
+    shapes: Sequence[EpochShape],
+    layers: TissueLayers,
+    notes: Sequence[Problem] = (),
 ) -> Manifest:
     """Make the manifest of a program.
 
@@ -34,6 +40,8 @@ def make_manifest(
         Keys of its frames.
     shapes
         Shapes of its epochs.
+    layers
+        The layers of its tissue.
     notes
         Warnings and notes besides the program's own.
 
@@ -61,10 +69,13 @@ def make_manifest(
         landmarks=program.landmarks,
         landmarks_at=tuple(tuple(int(mark) for mark in marks.index) for marks in program.landmarks_at),
         notes=(*notes, *program.notes),
+        layers=layers,
+        vessels=program.vessels,
+        vessels_at=program.vessels_at,
     )
 
 
-def epoch_shapes(epochs: Sequence[Epoch], tissue: Tissue) -> tuple[EpochShape, ...]:
+def epoch_shapes(epochs: Sequence[Epoch], tissue: Tissue, layers: LayerSearch) -> tuple[EpochShape, ...]:
     """Make what is shown of the epochs of a tissue.
 
     Parameters
@@ -73,6 +84,8 @@ def epoch_shapes(epochs: Sequence[Epoch], tissue: Tissue) -> tuple[EpochShape, .
         The epochs.
     tissue
         The tissue.
+    layers
+        Its layers.
 
     Returns
     -------
@@ -85,10 +98,13 @@ def epoch_shapes(epochs: Sequence[Epoch], tissue: Tissue) -> tuple[EpochShape, .
     skin = first.origin == FaceOrigin.SKIN
     scale = uv_scale(first.points, first.triangles[skin], first.uv[skin])
     faces = TissueFaces(tissue)
-    return tuple(_shape(epoch.surface, epoch.start_time, scale, faces) for epoch in epochs)
+    return tuple(_shape(epoch.surface, epoch.start_time, scale, faces, layers) for epoch in epochs)
 
 
-def _shape(surface: Surface, start: float, scale: NDArray[np.float64], faces: TissueFaces) -> EpochShape:
+def _shape(
+    surface: Surface, start: float, scale: NDArray[np.float64], faces: TissueFaces, layers: LayerSearch
+) -> EpochShape:
+    found = layers.of(surface)
     rest = np.ascontiguousarray(surface.points, np.float32)
     triangles = np.ascontiguousarray(surface.triangles, np.int32)
     arrays: dict[str, NDArray[Any]] = {
@@ -96,7 +112,8 @@ def _shape(surface: Surface, start: float, scale: NDArray[np.float64], faces: Ti
         "triangles": triangles,
         "origin": np.ascontiguousarray(surface.origin, np.uint8),
         "grid": (surface.uv * scale).astype(np.float32),
-        "depth": depth_below_skin(rest, triangles, surface.origin),
+        "depth": found.depth,
         "face": faces.of(surface),
+        "column": found.column,
     }
     return EpochShape(digest("epoch shape", arrays).hex(), float(start), **arrays)

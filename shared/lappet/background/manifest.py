@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import TissueLayers
+from lappet.anatomy.vessel_pieces import VesselPieces
 from lappet.core.problem import Problem
+from lappet.cutting.epoch import no_entries
+from lappet.procedure import Vessel
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +33,11 @@ class EpochShape:
     grid
         Texture coordinates per corner in mm along the skin, shape (m, 3, 2), float32.
     depth
-        Depth below the skin's edge at walls and rims in mm, shape (n,), float32.
+        Depth below the skin before any cut in mm, shape (n,), float32; 0 on the skin.
     face
         Face of the tissue's mesh that each triangle lies on, -1 for wound walls, shape (m,), int32.
+    column
+        Column of layers that each triangle lies in (`Manifest.layers`), shape (m,), int32; without entries the first.
     """
 
     key: str
@@ -42,6 +48,7 @@ class EpochShape:
     grid: NDArray[np.float32]
     depth: NDArray[np.float32]
     face: NDArray[np.int32]
+    column: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
 
 
 @dataclass(frozen=True)
@@ -91,6 +98,12 @@ class Manifest:
         For each epoch the indices in `landmarks` of those that its tissue still holds.
     notes
         Warnings and notes for the user.
+    layers
+        The layers of the tissue.
+    vessels
+        The vessels.
+    vessels_at
+        For each epoch what its tissue holds of them.
     """
 
     key: str
@@ -101,3 +114,6 @@ class Manifest:
     landmarks: tuple[str, ...] = ()
     landmarks_at: tuple[tuple[int, ...], ...] = ()
     notes: tuple[Problem, ...] = ()
+    layers: TissueLayers = field(default_factory=TissueLayers)
+    vessels: tuple[Vessel, ...] = ()
+    vessels_at: tuple[VesselPieces, ...] = ()

@@ -74,7 +74,7 @@ def separate_parts(tissue: Tissue) -> list[Problem]:
 
 
 def overlapping_regions(tissue: Tissue, skin: NDArray[np.bool_]) -> list[Problem]:
-    """Find regions of different material that share faces and depths, where their order decides.
+    """Find regions of different material that share faces and depths, where their order decides: the last one counts.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def overlapping_regions(tissue: Tissue, skin: NDArray[np.bool_]) -> list[Problem
                     faces=len(both),
                     top=top,
                     bottom=bottom,
-                    material=first.material,
+                    material=second.material,
                 )
             )
     return found

@@ -17,6 +17,7 @@ from lappet.checks.roller_problems import roller_problems
 from lappet.checks.skin_line_problems import skin_line_problems
 from lappet.checks.suspicious_events import suspicious_events
 from lappet.checks.suspicious_tissue import separate_parts, size_problems
+from lappet.checks.vessel_problems import vessel_problems
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure, Retractor
@@ -76,6 +77,7 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
         problems += material_problems(material, f"{MATERIALS}/{material.name}")
     problems += [*region_problems(procedure), *roller_problems(procedure)]
     problems += skin_line_problems(procedure)
+    problems += vessel_problems(procedure, rest)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
         found = mesh_problems(bone, path)

@@ -10,10 +10,13 @@ from typing import Any
 import click
 
 from lappet.commands.check_command import check
+from lappet.commands.compare_command import compare
 from lappet.commands.demo_command import demo
+from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
+from lappet.commands.models_command import models
 from lappet.commands.new_command import new
 from lappet.commands.render_command import render
 from lappet.commands.report_command import report
@@ -50,5 +53,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, new, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, compare, new, models, flap, report, keys):
     cli.add_command(_command)

@@ -26,6 +26,7 @@ from lappet.commands.refusals import sentences
 )
 @click.option("--view", help="Where the camera stands.  [default: oblique]")
 @click.option("--color", help="What the skin shows.  [default: grid]")
+@click.option("--translucent/--opaque", default=False, show_default=True, help="Show vessels through the skin.")
 @click.option("--engine", help="Blender's renderer.  [default: cycles]")
 @reading_options
 @click.pass_context

@@ -159,3 +159,24 @@ def tissues(context: click.Context, /, folder: Path) -> None:
 
         for path in write_tissues(folder):
             click.echo(path)
+
+
+@report.command("atlas")
+@click.argument("designs", nargs=-1)
+@_output("atlas")
+@click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.  [default: 1.33]")
+@click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw a filmstrip of each.")
+@click.pass_context
+def atlas(
+    context: click.Context, /, designs: tuple[str, ...], folder: Path, spacing: float | None, pictures: bool
+) -> None:
+    """Solve and draw DESIGNS of the flap library at their defaults on a flat patch: all of them by default."""
+    with sentences(context):
+        from lappet.designs.library_operation import SPACING
+        from lappet.reports.atlas.run import run_atlas
+
+        rows, files = run_atlas(designs, folder, _say, spacing=spacing or SPACING, pictures=pictures)
+        for path in files:
+            click.echo(path)
+    if any(row.frames < row.of_frames for row in rows):
+        context.exit(1)

@@ -70,7 +70,7 @@ class SolverClient:
         self._settings = SolverSettings()
         self._epoch: int | None = None
         self._lattice: LatticeCounts | None = None
-        self._landmarks: NDArray[np.int32] = Landmarks().index
+        self._landmarks = Landmarks()
 
     def connect(self) -> Self:
         """Start the daemon where there is none, connect and say hello.
@@ -179,7 +179,7 @@ class SolverClient:
             grip = np.full(len(epoch.surface.triangles), -1, np.int32)
         told = epoch_payload(epoch, grip, marks)
         reply = expect(self._connection.request("epoch", {**told.fields, **fields}, told.arrays), "lattice")
-        self._epoch, self._landmarks, self._sections = epoch.index, marks.index, len(epoch.boundary.section_points)
+        self._epoch, self._landmarks, self._sections = epoch.index, marks, len(epoch.boundary.section_points)
         self._lattice = read_fields(LatticeCounts, reply.fields, "lattice")
         return reply
 

@@ -89,7 +89,7 @@ class _Reader:
         settings = replace(self._program.settings, strain="strain" in filled, correction="correction" in filled)
         sections = len(epoch.boundary.section_points)
         try:
-            frame = read_frame(message, constraints, settings, landmarks.index, self._lattice, sections)
+            frame = read_frame(message, constraints, settings, landmarks, self._lattice, sections)
         except WireError as error:  # the counts of sutures, hooks, landmarks and sections are the program's
             raise refused(ProblemCode.FOLLOWED_OTHER, "", f"{time:g}") from error
         if len(frame.points) != len(epoch.surface.points):

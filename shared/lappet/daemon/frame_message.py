@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lappet.daemon.solved_frame import HOLDERS, SCALARS, Diagnostics, LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import Message, WireError, read_array, read_fields
-from lappet.program.program import FrameConstraints
+from lappet.program.program import FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings
 
 
@@ -15,7 +14,7 @@ def read_frame(
     message: Message,
     constraints: FrameConstraints,
     settings: SolverSettings,
-    landmark_index: NDArray[np.int32],
+    landmarks: Landmarks,
     lattice: LatticeCounts | None,
     sections: int = 0,
 ) -> SolvedFrame:
@@ -29,8 +28,8 @@ def read_frame(
         The constraints.
     settings
         Those of the session.
-    landmark_index
-        Numbers of the landmarks of the epoch, shape (k,).
+    landmarks
+        The landmarks of the epoch, with its points of vessels.
     lattice
         Counts of the epoch's lattice.
     sections
@@ -46,14 +45,15 @@ def read_frame(
     WireError
         If it does not answer them.
     """
-    hooks, sutures, marks = len(constraints.hook_stiffness), len(constraints.suture_index), len(landmark_index)
+    hooks, sutures, marks = len(constraints.hook_stiffness), len(constraints.suture_index), len(landmarks.index)
+    followed = marks + len(landmarks.vessel_triangles)
     points = read_array(message, "points", "f4", (None, 3))
     measured = len(points) if settings.strain else 0
     corrections = {}
     if settings.correction and message.fields.get("converged") is True:
         corrections = {
             "correction": read_array(message, "correction", "f4", points.shape),
-            "landmark_correction": read_array(message, "landmark_correction", "f8", (marks, 3)),
+            "landmark_correction": read_array(message, "landmark_correction", "f8", (followed, 3))[:marks],
         }
     optional = {}
     if len(constraints.suture_inner_bites):
@@ -71,12 +71,14 @@ def read_frame(
     time = message.fields.get("time")
     if time != constraints.time:
         raise WireError(f"The daemon answered frame {time!r:.60} where frame {constraints.time:g} was due.")
+    places = read_array(message, "landmarks", "f8", (followed, 3))
     return SolvedFrame(
         constraints.time,
         points,
         **{name: read_array(message, name, "f4", (measured,)) for name in SCALARS},
-        landmark_index=np.asarray(landmark_index, np.int32),
-        landmarks=read_array(message, "landmarks", "f8", (marks, 3)),
+        landmark_index=np.asarray(landmarks.index, np.int32),
+        landmarks=places[:marks],
+        vessel_points=places[marks:],
         hook_index=read_array(message, "hook_index", "i4", (hooks,)),
         hook_points=read_array(message, "hook_points", "f8", (hooks, 3)),
         hook_forces=read_array(message, "hook_forces", "f8", (hooks, 3)),

@@ -292,6 +292,8 @@ class SolvedFrame:
         Number of each landmark in `Program.landmarks`, shape (k,), int32.
     landmarks
         Landmarks in mm, shape (k, 3), float64.
+    vessel_points
+        Points of the pieces of vessels in mm, in the order of `Program.vessels_at`, shape (v, 3), float64.
     hook_index
         Number of each hook in `Program.hooks`, shape (H,), int32.
     hook_points
@@ -344,6 +346,7 @@ class SolvedFrame:
     tension: NDArray[np.float32] = field(default_factory=lambda: no_entries((0,), np.float32))
     landmark_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     landmarks: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    vessel_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     hook_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     hook_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     hook_forces: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from lappet.designs.flap_design import Carry, Edge, FlapDesign
+from lappet.designs.flap_design import Carry, Edge, Excised, FlapDesign
 from lappet.designs.fusiform_design import Fusiform, fusiform
 from lappet.designs.geodesic_drape import draped_on
+from lappet.designs.library import DESIGNS
+from lappet.designs.library_operation import add_flap, flap_on_patch, flap_on_skin
 from lappet.designs.oval_outline import oval
 from lappet.designs.rhombic_flap import dufourmentel, limberg
 from lappet.designs.s_plasty import dual_s_plasty
@@ -12,17 +14,22 @@ from lappet.designs.transposition import Row, Schedule, Technique, flap_operatio
 from lappet.designs.z_plasty_design import ZPlasty, z_plasty
 
 __all__ = [
+    "DESIGNS",
     "Carry",
     "Edge",
+    "Excised",
     "FlapDesign",
     "Fusiform",
     "Row",
     "Schedule",
     "Technique",
     "ZPlasty",
+    "add_flap",
     "draped_on",
     "dual_s_plasty",
     "dufourmentel",
+    "flap_on_patch",
+    "flap_on_skin",
     "flap_operation",
     "fusiform",
     "limberg",

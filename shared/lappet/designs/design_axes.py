@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.flap_design import Edge, Spot
+from lappet.designs.flap_design import Edge, Excised, Spot
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
@@ -45,6 +45,26 @@ def skin_axes(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDArr
         raise refused(ProblemCode.DESIGN_DIRECTION, what, tuple(along.tolist()))
     flat = flat / size
     return flat, np.cross(up, flat)
+
+
+def require_lengths(what: str, **lengths: float) -> None:
+    """Refuse lengths of a design that are not positive.
+
+    Parameters
+    ----------
+    what
+        Name of the design, for the message of the error.
+    **lengths
+        Lengths in mm by their names.
+
+    Raises
+    ------
+    RefusedError
+        If one of them is not positive and finite.
+    """
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{value:g}", name=name)
 
 
 def placed_on(points: NDArray[np.float64], project: Place | None) -> tuple[Point, ...]:
@@ -142,7 +162,7 @@ class DesignPlane:
         xy = flat - self.middle
         return placed_on(self.origin + xy[:, :1] * self.along + xy[:, 1:] * self.across, self.project)
 
-    def point(self, flat: NDArray[np.float64]) -> Point:
+    def point(self, flat: ArrayLike) -> Point:
         """Place one point of the plane on the skin.
 
         Parameters
@@ -155,9 +175,9 @@ class DesignPlane:
         Point
             The point in mm.
         """
-        return self.points(flat[None])[0]
+        return self.points(np.asarray(flat, np.float64)[None])[0]
 
-    def spot(self, corner: NDArray[np.float64], towards: NDArray[np.float64]) -> Spot:
+    def spot(self, corner: ArrayLike, towards: ArrayLike) -> Spot:
         """Place a corner of the cut skin.
 
         Parameters
@@ -190,6 +210,47 @@ class DesignPlane:
             The edge.
         """
         return Edge(self.points(flat), -side if self.mirrored else side)
+
+    def edge_beside(self, flat: NDArray[np.float64], tissue: ArrayLike) -> Edge:
+        """Place an edge of a cut on the skin, told where its tissue lies.
+
+        Parameters
+        ----------
+        flat
+            Points of the plane along the edge in mm, shape (k, 2).
+        tissue
+            A point of the plane in mm in the tissue beside the edge's middle, shape (2,).
+
+        Returns
+        -------
+        Edge
+            The edge.
+        """
+        k = min(len(flat) // 2, len(flat) - 2)
+        run, beside = flat[k + 1] - flat[k], np.asarray(tissue, np.float64) - flat[k]
+        return self.edge(flat, 1 if run[0] * beside[1] - run[1] * beside[0] > 0.0 else -1)
+
+    def excised(self, name: str, flat: NDArray[np.float64], seed: ArrayLike) -> Excised:
+        """Place what is cut out on the skin.
+
+        Parameters
+        ----------
+        name
+            Name of the cut.
+        flat
+            Points of the plane around it in mm, in either sense, shape (k, 2).
+        seed
+            A point of the plane in its middle in mm, shape (2,).
+
+        Returns
+        -------
+        Excised
+            What is cut out.
+        """
+        turned = np.roll(flat, -1, axis=0)
+        area = float(np.sum(flat[:, 0] * turned[:, 1] - flat[:, 1] * turned[:, 0]))
+        outline = self.outline(flat if area > 0.0 else flat[::-1])
+        return Excised(name, outline, self.point(seed))
 
     def outline(self, flat: NDArray[np.float64]) -> tuple[Point, ...]:
         """Place a closed curve on the skin, counter-clockwise about the normal.

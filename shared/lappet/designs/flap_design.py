@@ -34,16 +34,32 @@ class Seam:
     Parameters
     ----------
     name
-        Name of the seam.
+        Name of the seam; what begins with "donor" is closed before the rest.
     edges
-        The two edges.
-    joined
-        Whether the edges start, and end, in one point (where the cut ends) and not in two corners.
+        The two edges, first the flap's.
     """
 
     name: str
     edges: tuple[Edge, Edge]
-    joined: tuple[bool, bool]
+
+
+@dataclass(frozen=True)
+class Excised:
+    """Skin that is cut out: the defect, or a triangle that would stand up as a dog-ear.
+
+    Parameters
+    ----------
+    name
+        Name of the cut around it.
+    outline
+        Points in mm, closed, counter-clockwise about the normal.
+    seed
+        A point in its middle in mm.
+    """
+
+    name: str
+    outline: tuple[Point, ...]
+    seed: Point
 
 
 @dataclass(frozen=True)
@@ -83,7 +99,7 @@ class Corner:
 
 @dataclass(frozen=True)
 class Carry:
-    """The way of a hook that takes a flap by a corner, turns it about a pivot and lays it down.
+    """The way of a hook that takes a flap by a corner, turns or draws it over and lays it down.
 
     Parameters
     ----------
@@ -92,29 +108,30 @@ class Carry:
     corner
         The flap's corner.
     pivot
-        Point in mm about which the flap turns.
+        Point in mm about which the flap turns; None for a flap that is drawn straight there.
     lay
         Where the corner goes.
+    lift
+        Height of the way, as a share of the technique's: of two flaps that pass each other one goes over the other.
     """
 
     name: str
     corner: Spot
-    pivot: Point
+    pivot: Point | None
     lay: Spot
+    lift: float = 1.0
 
 
 @dataclass(frozen=True)
 class FlapDesign:
-    """A flap, or several, that fill a defect.
+    """A flap, or several, or none, that fill what was excised, or change places.
 
     Parameters
     ----------
-    defect
-        Outline of the defect in mm, closed, counter-clockwise about the normal.
-    seed
-        A point in the defect in mm, to excise.
+    excised
+        What is cut out: first the defect, if there is one.
     incisions
-        Open curves in mm, each from the defect outwards.
+        Open curves in mm, each from the defect, or from the incision before, outwards.
     seams
         The edges that are sewn together.
     corners
@@ -125,10 +142,9 @@ class FlapDesign:
         A point in the middle of each flap in mm.
     """
 
-    defect: tuple[Point, ...]
-    seed: Point
+    excised: tuple[Excised, ...]
     incisions: tuple[tuple[Point, ...], ...]
     seams: tuple[Seam, ...]
-    corners: tuple[Corner, ...]
-    carries: tuple[Carry, ...]
-    flaps: tuple[Point, ...]
+    corners: tuple[Corner, ...] = ()
+    carries: tuple[Carry, ...] = ()
+    flaps: tuple[Point, ...] = ()

@@ -2,21 +2,140 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.tissue.placement import Place
+from lappet.procedure import Point
 from lappet.tissue.skin_sheet import SkinSheet
 
 STEP = 0.5  # mm: a line is walked in such steps
 
 
-def draped_on(skin: SkinSheet, center: ArrayLike) -> Place:
-    """Make a `project` for designs drawn in the skin's tangent plane at a point.
+@dataclass(frozen=True)
+class Misfit:
+    """Where a line of a design could not be walked to its end.
+
+    Parameters
+    ----------
+    point
+        Where it ended in mm.
+    missing
+        How much of it was left in mm.
+    share
+        Share of it that was walked, 0 to 1.
+    """
+
+    point: Point
+    missing: float
+    share: float
+
+
+class GeodesicDrape:
+    """A `project` for designs drawn in the skin's tangent plane at a point.
 
     A point of the plane goes where the geodesic that starts towards it has come after its distance from the middle: the
     exponential map of the surface, by steps of `STEP`. On a sphere it is `lappet.tissue.dome.draped`. A line that meets
-    the skin's border ends there.
+    the skin's border ends there; `misfit` tells of the one that lacks most.
+
+    Parameters
+    ----------
+    skin
+        The skin.
+    center
+        A point in mm, shape (3,); the plane touches the skin where that is closest to it.
+    """
+
+    def __init__(self, skin: SkinSheet, center: ArrayLike) -> None:
+        self._skin = skin
+        points, normals = skin.at(center)
+        self.middle, self.normal = points[0], normals[0]
+        self._worst: Misfit | None = None
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """The line, of all draped so far, that lacks most of its length; None where all were walked to their ends."""
+        return self._worst
+
+    def __call__(self, plane: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Drape points of the plane.
+
+        Parameters
+        ----------
+        plane
+            Points of the plane in mm, shape (k, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Points on the skin in mm, shape (k, 3).
+        """
+        here, left, far = self._walked(plane)
+        self._note(here, left, far)
+        return here
+
+    def within(self, plane: NDArray[np.float64], inset: float) -> NDArray[np.float64]:
+        """Drape points of the plane, those whose lines meet the skin's border so far inside it.
+
+        Parameters
+        ----------
+        plane
+            Points of the plane in mm, shape (k, 3).
+        inset
+            Distance along its line from a point to the border in mm, at least.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Points on the skin in mm, shape (k, 3).
+        """
+        longer = self.middle + (plane - self.middle) * self._stretch(plane, inset)[:, None]
+        _, left, far = self._walked(longer)
+        share = np.maximum(far - left - inset, 0.0) / np.maximum(np.linalg.norm(plane - self.middle, axis=1), 1e-300)
+        return self._walked(self.middle + (plane - self.middle) * np.minimum(share, 1.0)[:, None])[0]
+
+    def _stretch(self, plane: NDArray[np.float64], more: float) -> NDArray[np.float64]:
+        """By what to lengthen the lines to points so that they are so much longer (mm)."""
+        far = np.maximum(np.linalg.norm(plane - self.middle, axis=1), 1e-9)
+        return (far + more) / far
+
+    def _walked(
+        self, plane: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Where the lines to points of the plane end (k, 3), what is left of each, and how long each is, mm (k,)."""
+        offsets = plane - self.middle
+        offsets = offsets - np.outer(offsets @ self.normal, self.normal)
+        far = np.linalg.norm(offsets, axis=1)
+        here = np.tile(self.middle, (len(plane), 1))
+        normal = np.tile(self.normal, (len(plane), 1))
+        along = offsets / np.maximum(far, 1e-300)[:, None]
+        left, walking = far.copy(), far > 1e-9
+        while walking.any():
+            k = np.flatnonzero(walking)
+            ahead = along[k] - np.einsum("ij,ij->i", along[k], normal[k])[:, None] * normal[k]
+            ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-300)[:, None]
+            step = np.minimum(STEP, left[k])
+            points, normals = self._skin.at(here[k] + step[:, None] * ahead)
+            gained = np.einsum("ij,ij->i", points - here[k], ahead)
+            stopped = gained < 0.5 * step  # the border is in the way
+            walking[k[stopped]] = False
+            on = k[~stopped]
+            along[on] = points[~stopped] - here[on]
+            here[on], normal[on] = points[~stopped], normals[~stopped]
+            left[on] -= step[~stopped]
+            walking[on] = left[on] > 1e-9
+        return here, left, far
+
+    def _note(self, here: NDArray[np.float64], left: NDArray[np.float64], far: NDArray[np.float64]) -> None:
+        k = int(left.argmax())
+        if left[k] > 1e-6 and (self._worst is None or left[k] > self._worst.missing):
+            x, y, z = here[k]
+            self._worst = Misfit((float(x), float(y), float(z)), float(left[k]), float(1.0 - left[k] / far[k]))
+
+
+def draped_on(skin: SkinSheet, center: ArrayLike) -> GeodesicDrape:
+    """Make a `project` for designs drawn in the skin's tangent plane at a point.
 
     Parameters
     ----------
@@ -27,33 +146,7 @@ def draped_on(skin: SkinSheet, center: ArrayLike) -> Place:
 
     Returns
     -------
-    Place
+    GeodesicDrape
         A function from points of the plane in mm, shape (k, 3), to points on the skin in mm, shape (k, 3).
     """
-    points, normals = skin.at(center)
-    middle, normal = points[0], normals[0]
-
-    def drape(plane: NDArray[np.float64]) -> NDArray[np.float64]:
-        offsets = plane - middle
-        offsets -= np.outer(offsets @ normal, normal)
-        return np.array([_walk(skin, middle, normal, offset) for offset in offsets])
-
-    return drape
-
-
-def _walk(
-    skin: SkinSheet, start: NDArray[np.float64], normal: NDArray[np.float64], offset: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Where one comes to from `start` going straight over the skin, first along `offset` and as far as it is long."""
-    left = float(np.linalg.norm(offset))
-    here, along = start, offset / max(left, 1e-300)
-    while left > 1e-9:
-        ahead = along - (along @ normal) * normal
-        ahead /= max(float(np.linalg.norm(ahead)), 1e-300)
-        step = min(STEP, left)
-        points, normals = skin.at(here + step * ahead)
-        if (points[0] - here) @ ahead < 0.5 * step:  # the border is in the way
-            break
-        left -= step
-        here, normal, along = points[0], normals[0], points[0] - here
-    return here
+    return GeodesicDrape(skin, center)

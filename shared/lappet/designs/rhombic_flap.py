@@ -20,6 +20,7 @@ and T. Gibson, "Closure of rhomboid skin defects: the flaps of Limberg and Dufou
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -27,8 +28,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_axes import DesignPlane, skin_axes
+from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
+from lappet.designs.flat_curves import segment
+from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
 STEP = 1.5  # mm between the points of a side, so that it follows a curved skin
@@ -43,6 +46,7 @@ def limberg(
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
     project: Place | None = None,
+    at_defect: bool = False,
 ) -> FlapDesign:
     """Design Limberg's flap for a rhombus of 60° and 120°.
 
@@ -60,6 +64,8 @@ def limberg(
         Whether the second limb is on the other side.
     project
         Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+    at_defect
+        Whether the center is the defect's alone.
 
     Returns
     -------
@@ -71,7 +77,7 @@ def limberg(
     RefusedError
         If the side is not positive.
     """
-    return _rhombic("limberg", center, direction, side, 60.0, (0.0, 240.0), normal, mirrored, project)
+    return _rhombic("limberg", center, direction, side, 60.0, (0.0, 240.0), normal, mirrored, project, at_defect)
 
 
 def dufourmentel(
@@ -83,6 +89,7 @@ def dufourmentel(
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
     project: Place | None = None,
+    at_defect: bool = False,
 ) -> FlapDesign:
     """Design Dufourmentel and Mouly's flap for a rhombus.
 
@@ -104,6 +111,8 @@ def dufourmentel(
         Whether the second limb is on the other side.
     project
         Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+    at_defect
+        Whether the center is the defect's alone.
 
     Returns
     -------
@@ -118,7 +127,7 @@ def dufourmentel(
     if not 60.0 <= angle <= 90.0:
         raise refused(ProblemCode.DESIGN_ANGLE, "dufourmentel", f"{angle:g}", least=60, most=90)
     limbs = (45.0 - angle / 4.0, 270.0)
-    return _rhombic("dufourmentel", center, direction, side, angle, limbs, normal, mirrored, project)
+    return _rhombic("dufourmentel", center, direction, side, angle, limbs, normal, mirrored, project, at_defect)
 
 
 def _rhombic(
@@ -131,22 +140,21 @@ def _rhombic(
     normal: ArrayLike,
     mirrored: bool,
     project: Place | None,
+    at_defect: bool,
 ) -> FlapDesign:
     """The design whose limbs run at these angles (degrees) to the short diagonal."""
-    if not (np.isfinite(side) and side > 0.0):
-        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{side:g}", name="side")
+    require_lengths(what, side=side)
     shape = _Shape.drawn(side, angle, limbs)
     corners = np.stack([shape.a, shape.b, shape.c, shape.d, shape.e, shape.f])
-    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    middle = np.zeros(2) if at_defect else 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     plane = DesignPlane.at(center, skin_axes(direction, normal, what), mirrored, project, middle)
     a, b, c, d = shape.a, shape.b, shape.c, shape.d
-    outline = [_sampled(p, q)[:-1] for p, q in ((a, b), (b, c), (c, d), (d, a))]
+    outline = [segment(p, q, STEP)[:-1] for p, q in ((a, b), (b, c), (c, d), (d, a))]
     into = d - NICK * shape.first / side
-    incision = np.vstack([into[None], _sampled(d, shape.e)[:-1], _sampled(shape.e, shape.f)])
+    incision = np.vstack([into[None], segment(d, shape.e, STEP)[:-1], segment(shape.e, shape.f, STEP)])
     pairs, carries = _moves(plane, shape, side)
     return FlapDesign(
-        defect=plane.outline(np.vstack(outline)),
-        seed=plane.point(np.zeros(2)),
+        excised=(plane.excised("defect", np.vstack(outline), np.zeros(2)),),
         incisions=(plane.points(incision),),
         seams=_seams(plane, shape, side),
         corners=pairs,
@@ -186,22 +194,17 @@ def _seams(plane: DesignPlane, shape: _Shape, side: float) -> tuple[Seam, ...]:
     """The edges that are sewn together: those of the donor site, and the flap's with the rhombus's."""
     a, b, c, d, e, f, _, _ = shape
     away = 4.0 * side
+
+    def edge(start: NDArray[np.float64], end: NDArray[np.float64], tissue: NDArray[np.float64]) -> Edge:
+        return plane.edge_beside(segment(start, end, STEP), tissue)
+
     above, below, right = np.array([0.0, away]), np.array([0.0, -away]), np.array([away, 0.0])
     return (
-        Seam("donor", (_edge(plane, e, d, above), _edge(plane, e, f, e + right)), (True, False)),
-        Seam("near", (_edge(plane, c, d, shape.flap), _edge(plane, c, b, below)), (True, False)),
-        Seam("far", (_edge(plane, d, e, shape.flap), _edge(plane, b, a, above)), (False, False)),
-        Seam("end", (_edge(plane, e, f, shape.flap), _edge(plane, a, d, above)), (False, False)),
+        Seam("donor", (edge(e, d, above), edge(e, f, e + right))),
+        Seam("near", (edge(c, d, shape.flap), edge(c, b, below))),
+        Seam("far", (edge(d, e, shape.flap), edge(b, a, above))),
+        Seam("end", (edge(e, f, shape.flap), edge(a, d, above))),
     )
-
-
-def _edge(
-    plane: DesignPlane, start: NDArray[np.float64], end: NDArray[np.float64], tissue: NDArray[np.float64]
-) -> Edge:
-    """The straight edge from start to end whose tissue lies where `tissue` does."""
-    run, beside = end - start, tissue - start
-    left = run[0] * beside[1] - run[1] * beside[0] > 0.0
-    return plane.edge(_sampled(start, end), 1 if left else -1)
 
 
 def _moves(plane: DesignPlane, shape: _Shape, side: float) -> tuple[tuple[Corner, ...], tuple[Carry, ...]]:
@@ -223,7 +226,34 @@ def _moves(plane: DesignPlane, shape: _Shape, side: float) -> tuple[tuple[Corner
     return corners, carries
 
 
-def _sampled(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points (k, 2) from start to end, both included."""
-    count = max(1, round(float(np.linalg.norm(end - start)) / STEP))
-    return start + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - start)
+_LISTER = "Lister and Gibson 1972"
+LIMBERG = LibraryDesign(
+    "limberg",
+    "Limberg flap",
+    "A rhombic defect of cheek, temple, trunk or limb, closed by a transposition flap with angles of 60° and 120°.",
+    (
+        Parameter(
+            "side", "side of the rhombus", "mm", 18.0, 4.0, 60.0, "Limberg 1963: any; the skin's laxity limits it"
+        ),
+    ),
+    partial(limberg, at_defect=True),
+    "the middle of the defect",
+    "the short diagonal, from the defect to the flap",
+    "",
+    "A. A. Limberg, The planning of local plastic operations on the body surface (1963); G. D. Lister and T. Gibson, "
+    "Br. J. Plast. Surg. 25 (1972) 300.",
+)
+DUFOURMENTEL = LibraryDesign(
+    "dufourmentel",
+    "Dufourmentel flap",
+    "A rhombic defect of 60° to 90°, closed by a flap that turns less, on a broader base, than Limberg's.",
+    (
+        Parameter("side", "side of the rhombus", "mm", 17.0, 4.0, 60.0, _LISTER),
+        Parameter("angle", "acute angle of the rhombus", "°", 75.0, 60.0, 90.0, _LISTER),
+    ),
+    partial(dufourmentel, at_defect=True),
+    "the middle of the defect",
+    "the short diagonal, from the defect to the flap",
+    "",
+    "C. Dufourmentel, Ann. Chir. Plast. 7 (1962) 61; G. D. Lister and T. Gibson, Br. J. Plast. Surg. 25 (1972) 300.",
+)

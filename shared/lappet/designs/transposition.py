@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.designs.flap_design import Carry, Edge, FlapDesign
+from lappet.designs.geodesic_drape import GeodesicDrape
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
 
@@ -17,6 +18,10 @@ from lappet.tissue.skin_sheet import SkinSheet
 # of chords, drifts from the skin's normal at most, or the bite would be in the other wall. Measured on the examples:
 # less than 0.03.
 DRIFT = 0.05
+INSET = 2.0  # mm of skin that stays on its bed beside the tissue's border
+SHORT = 0.6  # of the distance between two sutures: a seam with less room than this between its margins gets one suture
+
+Way = Callable[[float], NDArray[np.float64]]  # from a share of the way to a point in mm, shape (3,)
 
 
 @dataclass(frozen=True)
@@ -123,12 +128,14 @@ def flap_operation(
     skin: SkinSheet,
     when: Schedule = Schedule(),
     how: Technique = Technique(),
+    *,
+    draped: bool = False,
 ) -> tuple[Event, ...]:
     """Plan the operation of a flap design, with the landmarks to judge it by.
 
     Landmarks come in pairs that lie on each other when all is well: "<corner> flap" and "<corner> wound" for every
     corner of the design, "<seam> flap edge" and "<seam> wound edge" with points along the edges of every seam; and
-    "flap middle".
+    "flap middle" where there are flaps.
 
     Parameters
     ----------
@@ -140,28 +147,29 @@ def flap_operation(
         Time codes of the steps.
     how
         Distances and stiffness.
+    draped
+        Whether the line of undermining is laid by geodesics, and inside the skin's border.
 
     Returns
     -------
     tuple[Event, ...]
         The events: incisions, excision, undermining, hooks, sutures, landmarks.
     """
-    incisions = [
-        Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
-        for k, curve in enumerate(design.incisions)
-    ]
     return (
-        Incision("defect", when.incise, design.defect, kerf=how.kerf, closed=True),
-        *incisions,
-        Excision("excision", when.excise, (design.seed,)),
-        Undermine("undermining", when.undermine, outline(design, skin, how.beyond)),
+        *(Incision(cut.name, when.incise, cut.outline, kerf=how.kerf, closed=True) for cut in design.excised),
+        *(
+            Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
+            for k, curve in enumerate(design.incisions)
+        ),
+        *([Excision("excision", when.excise, tuple(cut.seed for cut in design.excised))] if design.excised else []),
+        Undermine("undermining", when.undermine, outline(design, skin, how.beyond, draped=draped)),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *sutures(design, skin, when, how),
         *landmarks(design, skin, how),
     )
 
 
-def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
+def outline(design: FlapDesign, skin: SkinSheet, beyond: float, *, draped: bool = False) -> tuple[Point, ...]:
     """Draw a convex line around all cuts of a design.
 
     Parameters
@@ -172,13 +180,16 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
         The skin on which the line lies.
     beyond
         Distance of the line from the cuts in mm.
+    draped
+        Whether the line is laid by geodesics from the middle of the cuts, and `INSET` inside the skin's border.
 
     Returns
     -------
     tuple[Point, ...]
         Points of the closed line on the skin in mm.
     """
-    drawn = np.array([*design.defect, *(point for curve in design.incisions for point in curve)])
+    curves = [*(cut.outline for cut in design.excised), *design.incisions]
+    drawn = np.array([point for curve in curves for point in curve])
     middle, normal = skin.at(drawn.mean(axis=0))
     first = np.cross(normal[0], (0.0, 1.0, 0.0) if abs(normal[0][1]) < 0.9 else (1.0, 0.0, 0.0))
     first /= np.linalg.norm(first)
@@ -191,11 +202,14 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
     turn = 2.0 * np.pi * np.arange(48) / 48
     rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     around = flat[(flat @ rays.T).argmax(axis=0)] + beyond * rays
-    return tuple(skin.below(point, 0.0) for point in middle[0] + around @ axes)
+    plane = middle[0] + around @ axes
+    if draped:
+        plane = GeodesicDrape(skin, middle[0]).within(plane, INSET)
+    return tuple(skin.below(point, 0.0) for point in plane)
 
 
 def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) -> Hook:
-    """Make the hook that lifts a flap near its corner, turns it about the pivot and lays it down.
+    """Make the hook that lifts a flap near its corner, turns it about the pivot or draws it over, and lays it down.
 
     Parameters
     ----------
@@ -215,22 +229,10 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
     """
     anchor = np.array(skin.towards(carry.corner.point, carry.corner.towards, how.inside))
     lay = np.array(skin.towards(carry.lay.point, carry.lay.towards, how.inside))
-    pivot, normal = (value[0] for value in skin.at(carry.pivot))
-    first = anchor - pivot
-    first -= (first @ normal) * normal
-    axes = np.stack([first / np.linalg.norm(first), np.cross(normal, first / np.linalg.norm(first))])
-    begin, end = (axes @ (point - pivot) for point in (anchor, lay))
-    turn = float(np.arctan2(end[1], end[0]))
-    sizes = np.linalg.norm(begin), np.linalg.norm(end)
-
-    def over(turned: float) -> NDArray[np.float64]:
-        """The skin below the way at this share of the turn."""
-        size = sizes[0] + turned * (sizes[1] - sizes[0])
-        flat = pivot + size * (np.cos(turned * turn) * axes[0] + np.sin(turned * turn) * axes[1])
-        return skin.place(flat)[0]
-
+    over = _straight(anchor, lay) if carry.pivot is None else _turned(skin, anchor, lay, carry.pivot)
     # On curved skin the pivot's plane misses the ends by a little, which is spread along the way.
-    misses = anchor - over(0.0), lay - over(1.0)
+    misses = anchor - skin.place(over(0.0))[0], lay - skin.place(over(1.0))[0]
+    height = carry.lift * how.height
     targets = []
     # Up, over, down: shares of the time, of the turn and of the height.
     for time, turned, lifted in (
@@ -241,8 +243,9 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
         (0.8, 0.95, 0.6),
         (1.0, 1.0, 0.03),
     ):
-        on_skin, up = skin.at(over(turned) + (1.0 - turned) * misses[0] + turned * misses[1])
-        x, y, z = np.round(on_skin[0] + lifted * how.height * up[0], 4)
+        below = skin.place(over(turned))[0]
+        on_skin, up = skin.at(below + (1.0 - turned) * misses[0] + turned * misses[1])
+        x, y, z = np.round(on_skin[0] + lifted * height * up[0], 4)
         targets.append((float(round(when.lift + time * (when.carried - when.lift))), (float(x), float(y), float(z))))
     return Hook(
         f"hook_{carry.name}",
@@ -252,6 +255,28 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
         release=when.let_go,
         stiffness=how.stiffness,
     )
+
+
+def _straight(start: NDArray[np.float64], end: NDArray[np.float64]) -> Way:
+    """The way straight from start to end."""
+    return lambda share: start + share * (end - start)
+
+
+def _turned(skin: SkinSheet, start: NDArray[np.float64], end: NDArray[np.float64], about: Point) -> Way:
+    """The way from start to end about a pivot, in the plane of the skin there."""
+    pivot, normal = (value[0] for value in skin.at(about))
+    first = start - pivot
+    first -= (first @ normal) * normal
+    axes = np.stack([first / np.linalg.norm(first), np.cross(normal, first / np.linalg.norm(first))])
+    begin, finish = (axes @ (point - pivot) for point in (start, end))
+    turn = float(np.arctan2(finish[1], finish[0]))
+    sizes = np.linalg.norm(begin), np.linalg.norm(finish)
+
+    def at(share: float) -> NDArray[np.float64]:
+        size = sizes[0] + share * (sizes[1] - sizes[0])
+        return pivot + size * (np.cos(share * turn) * axes[0] + np.sin(share * turn) * axes[1])
+
+    return at
 
 
 def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique) -> list[Suture]:
@@ -283,12 +308,7 @@ def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique)
             found.append(_suture(f"{row.name}_{corner.name}_corner", ends, corner.name, when))
         for seam in design.seams:
             length = 0.5 * sum(_length(edge) for edge in seam.edges)
-            first, last = how.margin, length - how.margin
-            gaps = max(1, int((last - first) / how.apart + 1e-6))
-            at = np.linspace(first, last, gaps + 1)
-            if row.shift:
-                at = at[:-1] + row.shift * np.diff(at)
-            for k, share in enumerate(at / length):
+            for k, share in enumerate(_stations(length, how, row) / length):
                 ends = [beside_edge(skin, edge, share, beside, row.depth) for edge in seam.edges]
                 found.append(_suture(f"{row.name}_{seam.name}_{k + 1}", ends, seam.name, when))
     return found
@@ -323,8 +343,9 @@ def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landm
         for what, edge in zip(("flap", "wound"), seam.edges, strict=True):
             points = tuple(beside_edge(skin, edge, share, beside) for share in shares)
             marks.append(Landmark(f"{seam.name}_{what}_edge", points, f"{seam.name} {what} edge"))
-    middles = tuple(skin.below(middle, 0.0) for middle in design.flaps)
-    marks.append(Landmark("flap_middle", middles, "flap middle"))
+    if design.flaps:
+        middles = tuple(skin.below(middle, 0.0) for middle in design.flaps)
+        marks.append(Landmark("flap_middle", middles, "flap middle"))
     return marks
 
 
@@ -356,6 +377,16 @@ def beside_edge(skin: SkinSheet, edge: Edge, share: float, distance: float, dept
     on_edge = points[k - 1] + (at - along[k - 1]) / (along[k] - along[k - 1]) * (points[k] - points[k - 1])
     low, high = max(k - 2, 0), min(k + 1, len(points) - 1)  # the direction of a curved edge, over its neighbors too
     return skin.beside(on_edge, points[high] - points[low], edge.side * distance, depth)
+
+
+def _stations(length: float, how: Technique, row: Row) -> NDArray[np.float64]:
+    """Where a row's sutures lie along a seam, mm from its start, shape (k,)."""
+    first, last = how.margin, length - how.margin
+    if last - first < SHORT * how.apart:
+        return np.array([0.5 * length])
+    gaps = max(1, int((last - first) / how.apart + 1e-6))
+    at = np.linspace(first, last, gaps + 1)
+    return at[:-1] + row.shift * np.diff(at) if row.shift else at
 
 
 def _suture(name: str, ends: Sequence[Point], part: str, when: Schedule) -> Suture:

@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import LayerSearch
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
+from lappet.geometry.unique_rows import unique_rows
 from lappet.geometry.vectors import bounds
+from lappet.output.shown_frames import show_at
 from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr
 
@@ -22,12 +25,17 @@ SUBSETS = {
     FaceOrigin.UNDERSIDE: "underside",
     FaceOrigin.RIM: "rim",
 }
-# What viewers show without materials: skin, flesh, fat, fat.
-_COLORS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
-_INSTANT = 1.0 / 1024.0  # of a frame
+_SKIN_COLOR = (0.80, 0.58, 0.48)  # what viewers show of the skin without materials; cut faces show their layer
 
 
-def write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: Sequence[float], fps: float) -> None:
+def write_epoch(
+    stage: Any,
+    epoch: Epoch,
+    layers: LayerSearch,
+    frames: Sequence[SolvedFrame],
+    times: Sequence[float],
+    fps: float,
+) -> None:
     """Write the skin of an epoch, shown at its own frames alone.
 
     Parameters
@@ -36,6 +44,8 @@ def write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: 
         The stage of the cache.
     epoch
         The epoch.
+    layers
+        The layers of the tissue.
     frames
         Its solved frames, one after the other.
     times
@@ -43,12 +53,12 @@ def write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: 
     fps
         Frames a second.
     """
-    mesh = _define(stage, epoch)
+    mesh = _define(stage, epoch, layers)
     _animate(mesh, ShadingNormals(epoch.surface), frames, fps)
-    _show(mesh, {frame.time for frame in frames}, times)
+    show_at(mesh, {frame.time for frame in frames}, times)
 
 
-def _define(stage: Any, epoch: Epoch) -> Any:
+def _define(stage: Any, epoch: Epoch, layers: LayerSearch) -> Any:
     """The mesh at rest, with what does not change: topology, subsets, texture coordinates and colors."""
     usd = pxr()
     surface: Surface = epoch.surface
@@ -66,8 +76,16 @@ def _define(stage: Any, epoch: Epoch) -> Any:
     st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
     st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
     color = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
-    color.Set(vectors(_COLORS))
-    color.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
+    found = layers.of(surface)
+    own = layers.layers.colors_at(found.column, found.depth[surface.triangles].mean(axis=1))
+    own[surface.origin == FaceOrigin.SKIN] = _SKIN_COLOR
+    palette, index = unique_rows(own)
+    color.Set(vectors(palette))
+    color.SetIndices(usd.Vt.IntArray.FromNumpy(index.astype(np.int32)))
+    depth = primvars.CreatePrimvar("depth", types.FloatArray, tokens.vertex)
+    depth.Set(usd.Vt.FloatArray.FromNumpy(found.depth))
+    column = primvars.CreatePrimvar("layerColumn", types.IntArray, tokens.uniform)
+    column.Set(usd.Vt.IntArray.FromNumpy(found.column))
     # At no time: at rest, which taut tissue leaves as soon as it is cut.
     mesh.CreatePointsAttr().Set(vectors(surface.points))
     return mesh
@@ -92,22 +110,6 @@ def _animate(mesh: Any, shading: ShadingNormals, frames: Sequence[SolvedFrame], 
         extent.Set(vectors(bounds(moved[i])), time)
         for name, primvar in scalars.items():
             primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
-
-
-def _show(mesh: Any, own: set[float], times: Sequence[float]) -> None:
-    usd = pxr()
-    tokens = usd.UsdGeom.Tokens
-    visibility = mesh.CreateVisibilityAttr()
-    # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
-    scale = mesh.AddScaleOp()
-    before: bool | None = None
-    for time in times:
-        shown = time in own
-        visibility.Set(tokens.inherited if shown else tokens.invisible, time)
-        if before is not None and shown is not before:
-            scale.Set(usd.Gf.Vec3f(float(before)), time - _INSTANT)
-        scale.Set(usd.Gf.Vec3f(float(shown)), time)
-        before = shown
 
 
 def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:

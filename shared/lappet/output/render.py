@@ -82,6 +82,7 @@ def render_command(
     threads: int,
     movie: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
+    translucent: bool = False,
 ) -> list[str]:
     """Compose the command line of the figure process.
 
@@ -115,6 +116,8 @@ def render_command(
         Width and height of an animation in pixels, or None.
     movie_samples
         Cycles samples per pixel of an animation.
+    translucent
+        Whether vessels show through the skin.
 
     Returns
     -------
@@ -149,6 +152,8 @@ def render_command(
     command += ["--filmstrip" if filmstrip else "--no-filmstrip", "--animation", animation, "--engine", engine]
     command += ["--size", f"{size[0]}x{size[1]}", "--samples", str(samples), "--view", view, "--color", color]
     command += ["--movie-samples", str(movie_samples)]
+    if translucent:
+        command.append("--translucent")
     for option, pixels in (("--panel", panel), ("--movie", movie)):
         if pixels is not None:
             command += [option, f"{pixels[0]}x{pixels[1]}"]
@@ -171,6 +176,7 @@ def render_cache(
     threads: int = 0,
     movie_size: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
+    translucent: bool = False,
     progress: Progress | None = None,
     limits: ReadLimits = DEFAULT_LIMITS,
 ) -> list[Path]:
@@ -209,6 +215,8 @@ def render_cache(
         Width and height of an animation in pixels; None for half of `size`.
     movie_samples
         Cycles samples per pixel of an animation, which is denoised.
+    translucent
+        Whether vessels show through the skin.
     progress
         Called with a line of text for every file, and with how long an animation will take.
     limits
@@ -242,6 +250,7 @@ def render_cache(
         threads,
         movie_size,
         movie_samples,
+        translucent,
     )
     with ReadingProcess(CHILD, "values", cache, limits) as look:
         look.result(ValueSizes)

@@ -22,6 +22,7 @@ from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.solve_to_cache import SolveResult
+from lappet.output.vessel_report import vessel_lengths, vessel_summary
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_forces
@@ -95,6 +96,7 @@ def report(result: SolveResult) -> dict[str, Any]:
         "reason": None if result.reason is None else str(result.reason),
         "code": None if result.reason is None else result.reason.code,
         "notes": [_note(each) for each in result.notes],
+        "vessels": vessel_summary(program),
         "error_estimate": _estimate(result),
         "frames": [
             _frame(program, frame, error, measures)
@@ -191,6 +193,7 @@ def _frame(
         "hook_force_errors_mn": {row.hook: row.force_error_mn for row in measures.hooks},
         "reactions_mn": _reactions(program, solved),
         "landmarks": _named(landmarks, solved.landmarks),
+        "vessels": vessel_lengths(program, frame.constraints, solved),
         "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
         "key": frame.key,

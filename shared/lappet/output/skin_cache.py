@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.tissue_layers import layer_search
 from lappet.core.version import version
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.boundary_forces import write_boundary_forces
 from lappet.output.epoch_mesh import write_epoch
 from lappet.output.force_errors import write_force_errors
+from lappet.output.layer_table import write_layers
 from lappet.output.seam_curves import write_seams
+from lappet.output.vessel_curves import write_vessels
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_points
@@ -94,13 +97,16 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     times = [frame.time for frame in frames]
     epochs = {constraints.time: constraints.epoch for constraints in program.frames}
     shown = [epoch for epoch in program.epochs if epoch.index in {epochs[time] for time in times}]
+    layers = layer_search(procedure.tissue, procedure.materials)
+    write_layers(stage, layers.layers)
     for epoch in shown:
         own = [frame for frame in frames if epochs[frame.time] == epoch.index]
-        write_epoch(stage, epoch, own, times, program.fps)
+        write_epoch(stage, epoch, layers, own, times, program.fps)
     _write_sutures(stage, procedure, program, frames)
     _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
+    write_vessels(stage, program, frames)
 
 
 def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:

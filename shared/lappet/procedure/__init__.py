@@ -24,8 +24,10 @@ from lappet.procedure.events import (
 from lappet.procedure.exact_values import Point
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
+from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Roller, Tissue
+from lappet.procedure.vessel import VESSEL_KINDS, Vessel, VesselKind
 
 __all__ = [
     "CUTS",
@@ -35,6 +37,8 @@ __all__ = [
     "MEASURES",
     "MODELS",
     "POSITIONS",
+    "SCENERY_KINDS",
+    "VESSEL_KINDS",
     "Basis",
     "Bone",
     "Event",
@@ -49,6 +53,8 @@ __all__ = [
     "Region",
     "Retractor",
     "Roller",
+    "Scenery",
+    "SceneryKind",
     "Section",
     "SkinLine",
     "Suture",
@@ -56,5 +62,7 @@ __all__ = [
     "Tissue",
     "Traction",
     "Undermine",
+    "Vessel",
+    "VesselKind",
     "position_of",
 ]

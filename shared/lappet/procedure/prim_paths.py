@@ -17,4 +17,8 @@ MATERIALS = f"{ROOT}/Materials"
 SKIN_LINES = f"{ROOT}/SkinLines"
 
 
+ANATOMY = f"{ROOT}/Anatomy"
+SCENERY = f"{ROOT}/Scenery"
+
+
 TIMELINE = f"{ROOT}/Timeline"

@@ -10,9 +10,11 @@ import math
 from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
+from lappet.procedure.scenery import Scenery
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
 from lappet.procedure.tissue import DEFAULT_SKIN, Bone, Material, Tissue
+from lappet.procedure.vessel import Vessel
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,6 +43,10 @@ class Procedure:
     skin_lines
         Lines along which the skin's fibers run; without any, `fiber_direction` and `prestretch` of the materials hold
         everywhere.
+    vessels
+        Vessels and nerves in the tissue.
+    scenery
+        Meshes that are shown around the tissue and not solved.
 
     Examples
     --------
@@ -60,6 +66,8 @@ class Procedure:
     end_time: float = 1.0
     fps: float = 24.0
     skin_lines: tuple[SkinLine, ...] = ()
+    vessels: tuple[Vessel, ...] = ()
+    scenery: tuple[Scenery, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -155,6 +163,8 @@ class Procedure:
             and self.materials == other.materials
             and self.bones == other.bones
             and self.skin_lines == other.skin_lines
+            and self.vessels == other.vessels
+            and self.scenery == other.scenery
             and self.tissue == other.tissue
         )
 

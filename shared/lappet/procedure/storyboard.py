@@ -16,6 +16,7 @@ from lappet.procedure.plain_text import number, place
 from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
 from lappet.procedure.tissue import Material, Region
+from lappet.procedure.vessel import Vessel
 
 if TYPE_CHECKING:
     from lappet.procedure.procedure import Procedure
@@ -39,7 +40,10 @@ def storyboard(procedure: Procedure) -> str:
     lines += [f"  material   {_material(material)}" for material in procedure.materials]
     for bone in procedure.bones:
         lines.append(f"  bone       {bone.name}: {len(bone.face_vertex_counts)} faces, {_size(bone.points)}")
+    for each in procedure.scenery:
+        lines.append(f"  scenery    {each.name}: {each.kind}, {len(each.face_vertex_counts)} faces")
     lines += [f"  region     {_region(region)}" for region in tissue.regions]
+    lines += [f"  {vessel.kind:<9}  {_vessel(vessel)}" for vessel in procedure.vessels]
     if tissue.subsets:
         held = ", ".join(f"{name} ({len(faces)})" for name, faces in tissue.subsets.items())
         lines.append(f"  faces      {held}")
@@ -148,6 +152,12 @@ def _region(region: Region) -> str:
     else:
         where = f"{number(region.depth_from)} to {number(region.depth_to)} mm below"
     return f"{where} {region.faces} is of {region.material or 'no material'}"
+
+
+def _vessel(vessel: Vessel) -> str:
+    course = ", a typical course" if vessel.typical_course else ""
+    label = f" {vessel.label!r}" if vessel.label else ""
+    return f"{vessel.name}:{label} of radius {number(vessel.radius)} mm through {len(vessel.points)} points{course}"
 
 
 def _size(points: np.ndarray) -> str:

@@ -10,13 +10,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.vessel_crossings import VesselCrossing, crossing_warnings, vessel_crossings
+from lappet.anatomy.vessel_pieces import VesselCutter, VesselPieces, vessel_course
 from lappet.core.problem import Place, Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Section, Suture
 from lappet.procedure.prim_paths import ROOT
-from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
+from lappet.program.anchors import OFF_TISSUE, AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.boundary import with_boundaries
 from lappet.program.crossed_sutures import crossed_sutures
@@ -26,6 +29,8 @@ from lappet.program.materials import activation, materials_in_use, parameters, r
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
+from lappet.tissue.rest_space import RestSpace
+from lappet.tissue.surface import tissue_surface
 
 DEFAULT = SolverSettings()
 
@@ -80,9 +85,9 @@ def compile_program(
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
     epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times)
-    loss = TissueLoss(procedure)
-    _refuse_off_tissue(procedure, loss)
+    loss = _tissue_loss(procedure)
     off = loss.distance(events.anchors())
+    vessels, crossings = _vessels(procedure, epochs, spacing)
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
@@ -91,7 +96,7 @@ def compile_program(
         own = own_times[epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
         in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
-        landmarks.append(in_tissue.landmarks())
+        landmarks.append(in_tissue.landmarks(vessels[epoch.index]))
         anchors_of = in_tissue.event_anchors(own)
         moved.update((each, None) for each in in_tissue.moved(own))
         for time in own:
@@ -113,9 +118,26 @@ def compile_program(
         sections=_section_labels(events.sections),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
+        vessels=procedure.vessels,
+        vessels_at=tuple(vessels.values()),
+        vessel_crossings=crossings,
         bones=bones,
-        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing)),
+        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing), *crossing_warnings(procedure, crossings)),
     )
+
+
+def _vessels(
+    procedure: Procedure, epochs: Sequence[Epoch], spacing: float
+) -> tuple[dict[int, VesselPieces], tuple[VesselCrossing, ...]]:
+    """What each epoch's tissue holds of the vessels, by its index, and where incisions divide them."""
+    if not procedure.vessels:
+        return {epoch.index: VesselPieces() for epoch in epochs}, ()
+    uncut = tissue_surface(procedure.tissue)
+    tissue, surface = RestSpace(uncut.points, uncut.triangles), ClosestPoint(uncut.points, uncut.triangles)
+    most = OFF_TISSUE * procedure.tissue.spacing
+    courses = [vessel_course(vessel, tissue, surface, spacing, most) for vessel in procedure.vessels]
+    pieces = {epoch.index: VesselCutter(epoch.surface, spacing).pieces(courses) for epoch in epochs}
+    return pieces, tuple(vessel_crossings(procedure, uncut, epochs, list(pieces.values())))
 
 
 def _with_tissue(
@@ -167,7 +189,9 @@ def _epoch_at(epochs: Sequence[Epoch], time: float) -> int:
     return past[-1] if past else epochs[0].index
 
 
-def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
+def _tissue_loss(procedure: Procedure) -> TissueLoss:
+    """The test of what anchors lie on; one that is off the tissue before any cut is refused."""
+    loss = TissueLoss(procedure)
     placed: list[tuple[Event, Sequence[Point]]] = []
     for event in procedure.events:
         if isinstance(event, Hook):
@@ -177,7 +201,7 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
         elif isinstance(event, Landmark):
             placed.append((event, event.points))
     if not placed:
-        return
+        return loss
     every = loss.distance([point for _, points in placed for point in points])
     ends = np.cumsum([len(points) for _, points in placed])
     for (event, points), distances in zip(placed, np.split(every, ends[:-1]), strict=True):
@@ -186,6 +210,7 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
             at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
             off = float(distances[worst])
             raise refused(code, event_path(event), _mm(at), place=Place.at(at), off=off, most=loss.allowed)
+    return loss
 
 
 @dataclass(frozen=True)
@@ -218,11 +243,12 @@ class _AnchorsInTissue:
             row += len(points)
         return said
 
-    def landmarks(self) -> Landmarks:
-        """The landmarks that have their tissue."""
+    def landmarks(self, vessels: VesselPieces) -> Landmarks:
+        """The landmarks that have their tissue, with the pieces of vessels."""
         placed, lost = self.placed[self.events.mark_rows], self.lost[self.events.mark_rows]
         kept = np.flatnonzero(~lost)
-        return Landmarks(kept.astype(np.int32), placed.point[kept], placed.triangle[kept])
+        own = kept.astype(np.int32), placed.point[kept], placed.triangle[kept]
+        return Landmarks(*own, vessels.points, vessels.triangles)
 
     def event_anchors(self, own: Sequence[int]) -> EventAnchors:
         """The anchors of the hooks and sutures that act in the epoch's own frames."""

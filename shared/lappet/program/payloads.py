@@ -99,8 +99,8 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
         "fixed": np.asarray(surface.fixed, np.uint8),
         "support": np.asarray(epoch.support, np.uint8),
         "grip": np.asarray(grip, np.int32),
-        "landmarks": np.asarray(landmarks.points, np.float64).reshape(-1, 3),
-        "landmark_triangles": np.asarray(landmarks.triangles, np.int32),
+        "landmarks": np.concatenate([landmarks.points, landmarks.vessel_points]).reshape(-1, 3),
+        "landmark_triangles": np.concatenate([landmarks.triangles, landmarks.vessel_triangles]).astype(np.int32),
     }
     told: dict[str, Any] = {"index": int(epoch.index)}
     if len(regions.skin_triangles):

@@ -7,8 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.anatomy.vessel_crossings import VesselCrossing
+from lappet.anatomy.vessel_pieces import VesselPieces
 from lappet.core.problem import Problem
 from lappet.cutting.epoch import Epoch, no_entries
+from lappet.procedure import Vessel
 from lappet.program.settings import SolverSettings
 
 
@@ -128,11 +131,17 @@ class Landmarks:
         Rest points in mm, shape (k, 3), float64.
     triangles
         Triangle of the epoch's surface under each, shape (k,), int32.
+    vessel_points
+        Rest points of the pieces of vessels in mm, shape (v, 3), float64: the daemon follows them after the landmarks.
+    vessel_triangles
+        Triangle of the epoch's surface nearest to each, shape (v,), int32.
     """
 
     index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    vessel_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    vessel_triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,6 +184,12 @@ class Program:
         act in the epoch.
     landmarks_at
         Landmarks of each epoch.
+    vessels
+        The vessels.
+    vessels_at
+        What each epoch's tissue holds of them.
+    vessel_crossings
+        Where incisions divide them.
     notes
         What the user should know of it: what is suspicious once it is cut, and what is done otherwise than it is told.
     """
@@ -194,4 +209,7 @@ class Program:
     sections: tuple[str, ...] = ()
     grips: tuple[NDArray[np.int32], ...] = ()
     landmarks_at: tuple[Landmarks, ...] = ()
+    vessels: tuple[Vessel, ...] = ()
+    vessels_at: tuple[VesselPieces, ...] = ()
+    vessel_crossings: tuple[VesselCrossing, ...] = ()
     notes: tuple[Problem, ...] = ()

@@ -166,7 +166,7 @@ def _thickness_notes(mesh: Mesh, sheet: Sheet, wanted: NDArray[np.float64]) -> l
 def _grid(sheet: Sheet, mesh: Mesh) -> tuple[NDArray[np.float64], str]:
     """Texture coordinates (m, 3, 2) that lay the skin out flat, and what is to be said of them."""
     uv = flatten(mesh.points, mesh.triangles)
-    return UV_SCALE * _sheet_uv(sheet, mesh, uv), _lengths_kept(mesh, uv)
+    return UV_SCALE * sheet_uv(sheet, mesh, uv), _lengths_kept(mesh, uv)
 
 
 def _mesh_texture(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
@@ -191,8 +191,23 @@ def _mesh_texture(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> tuple[ND
     return np.concatenate([uv, uv[:, ::-1], rim]), "the mesh's own texture coordinates"
 
 
-def _sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Flat coordinates (m, 3, 2), mm: the underside below the skin, the rim continuing the skin outwards."""
+def sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lay out a sheet: the underside below the skin, the rim continuing the skin outwards.
+
+    Parameters
+    ----------
+    sheet
+        The sheet.
+    mesh
+        The skin that it was made from.
+    uv
+        Flat coordinates of the skin's vertices in mm, shape (n, 2).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Flat coordinates of the corners of the sheet's triangles in mm, shape (m, 3, 2).
+    """
     outward = np.zeros_like(uv)
     for loop in border_loops(mesh.triangles):
         along = uv[np.roll(loop, -1)] - uv[np.roll(loop, 1)]

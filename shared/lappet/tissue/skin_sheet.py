@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Point, Tissue
+from lappet.tissue.surface import skin_faces
 
 _DECIMALS = 4  # of what is placed, mm: every machine writes the same file
 
 
 @dataclass(frozen=True, eq=False)
 class SkinSheet:
-    """The faces of a tissue that are neither fixed nor on the bed.
+    """The faces of a tissue that are outer skin.
 
     Parameters
     ----------
@@ -36,16 +37,14 @@ class SkinSheet:
         Parameters
         ----------
         tissue
-            A tissue with the subsets "fixed" and "bed".
+            A tissue with the subsets "fixed" and "bed", or "rim" and "underside".
 
         Returns
         -------
         SkinSheet
             The skin.
         """
-        outer = np.ones(len(tissue.face_vertex_counts), bool)
-        for name in ("fixed", "bed"):
-            outer[tissue.subsets[name]] = False
+        outer = skin_faces(tissue)
         counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
         triangles, _, faces = triangulate(tissue.points, counts, indices)
         triangles = triangles[outer[faces]]

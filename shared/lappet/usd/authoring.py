@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lappet.procedure import Bone, Point, Tissue
+from lappet.procedure import Bone, Point, Scenery, Tissue
 
 LINE_WIDTH = 0.4  # mm, how thick other viewers draw curves and points
 
@@ -103,7 +103,7 @@ class Values:
         self._prim.CreateRelationship(f"lappet:{name}", custom=False).SetTargets([target])
 
 
-def mesh_prim(stage: Any, usd: Any, path: str, mesh: Tissue | Bone) -> Any:
+def mesh_prim(stage: Any, usd: Any, path: str, mesh: Tissue | Bone | Scenery) -> Any:
     """Define a Mesh.
 
     Parameters

@@ -13,7 +13,20 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Material, Point, Procedure, Region, Roller, SkinLine, Tissue
+from lappet.procedure import (
+    SCENERY_KINDS,
+    Bone,
+    Material,
+    Point,
+    Procedure,
+    Region,
+    Roller,
+    Scenery,
+    SkinLine,
+    Tissue,
+    Vessel,
+    VesselKind,
+)
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
@@ -24,6 +37,8 @@ PRIM_TYPES = {
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
     "LappetSkinLineAPI": "BasisCurves",
+    "LappetVesselAPI": "BasisCurves",
+    "LappetSceneryAPI": "Mesh",
     **EVENT_PRIMS,
 }
 
@@ -68,6 +83,8 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         events=events,
         bones=bones,
         skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
+        vessels=tuple(_vessel(reader, prim) for prim in found["LappetVesselAPI"]),
+        scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -78,7 +95,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
-    found["LappetSkinLineAPI"] = []
+    found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": []}
     found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
@@ -203,6 +220,16 @@ def _bone(reader: Reader, prim: Any) -> Bone:
     return Bone(prim.GetName(), points, counts, indices)
 
 
+def _scenery(reader: Reader, prim: Any) -> Scenery:
+    points, counts, indices, _ = _mesh(reader, prim)
+    kind = reader.text(prim, "lappet:kind", Scenery.kind)
+    if kind not in SCENERY_KINDS:
+        known = ", ".join(SCENERY_KINDS)
+        reader.problem(ProblemCode.SCENERY_KIND, prim.GetPath(), kind, known=known)
+        kind = Scenery.kind
+    return Scenery(prim.GetName(), points, counts, indices, kind)
+
+
 def _skin_line(reader: Reader, prim: Any) -> SkinLine:
     points, basis, closed = read_curve(reader, prim)
     if closed:
@@ -210,6 +237,21 @@ def _skin_line(reader: Reader, prim: Any) -> SkinLine:
     along, across = reader.vector(prim, "lappet:tension", 2, (np.inf, np.inf))
     tension = None if np.isposinf(along) and np.isposinf(across) else (along, across)
     return SkinLine(prim.GetName(), points, tension, basis)
+
+
+def _vessel(reader: Reader, prim: Any) -> Vessel:
+    points, basis, closed = read_curve(reader, prim)
+    if closed:
+        points = (*points, points[0])
+    return Vessel(
+        prim.GetName(),
+        points,
+        cast(VesselKind, reader.text(prim, "lappet:kind", Vessel.kind)),
+        reader.number(prim, "lappet:radius", Vessel.radius),
+        reader.text(prim, "lappet:label", ""),
+        reader.flag(prim, "lappet:typicalCourse", Vessel.typical_course),
+        basis,
+    )
 
 
 def _material(reader: Reader, prim: Any) -> Material:

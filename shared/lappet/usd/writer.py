@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from lappet.core.problem import RefusedError
-from lappet.procedure import Material, Procedure, Region, Roller, SkinLine, Tissue
+from lappet.procedure import Material, Procedure, Region, Roller, SkinLine, Tissue, Vessel
 from lappet.procedure.prim_names import name_problems
-from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import ANATOMY, BONE, MATERIALS, ROOT, SCENERY, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.vessel import VESSEL_COLORS
 from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
 
@@ -66,6 +67,16 @@ def layer(procedure: Procedure, usd: Any) -> Any:
         usd.UsdGeom.Scope.Define(stage, SKIN_LINES)
     for line in procedure.skin_lines:
         _skin_line(stage, usd, line)
+    if procedure.vessels:
+        usd.UsdGeom.Scope.Define(stage, ANATOMY)
+    for vessel in procedure.vessels:
+        _vessel(stage, usd, vessel)
+    if procedure.scenery:
+        usd.UsdGeom.Scope.Define(stage, SCENERY)
+    for each in procedure.scenery:
+        prim = mesh_prim(stage, usd, f"{SCENERY}/{each.name}", each)
+        prim.AddAppliedSchema("LappetSceneryAPI")
+        Values(prim, usd).author("kind", usd.Sdf.ValueTypeNames.Token, each.kind)
     usd.UsdGeom.Scope.Define(stage, TIMELINE)
     for event in procedure.events:
         write_event(stage, usd, event)
@@ -126,6 +137,19 @@ def _skin_line(stage: Any, usd: Any, line: SkinLine) -> None:
     prim.AddAppliedSchema("LappetSkinLineAPI")
     if line.tension is not None:
         Values(prim, usd).author("tension", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*line.tension))
+
+
+def _vessel(stage: Any, usd: Any, vessel: Vessel) -> None:
+    prim = curve_prim(stage, usd, f"{ANATOMY}/{vessel.name}", vessel.points, vessel.basis, False)
+    curves = usd.UsdGeom.BasisCurves(prim)
+    curves.GetWidthsAttr().Set(usd.Vt.FloatArray([2.0 * vessel.radius]))
+    curves.CreateDisplayColorAttr([usd.Gf.Vec3f(*VESSEL_COLORS.get(vessel.kind, VESSEL_COLORS["nerve"]))])
+    prim.AddAppliedSchema("LappetVesselAPI")
+    values = Values(prim, usd)
+    values.author("kind", usd.Sdf.ValueTypeNames.Token, vessel.kind)
+    values.double("radius", vessel.radius)
+    values.author("label", usd.Sdf.ValueTypeNames.String, vessel.label)
+    values.author("typicalCourse", usd.Sdf.ValueTypeNames.Bool, vessel.typical_course)
 
 
 def _material(stage: Any, usd: Any, material: Material) -> None:

@@ -1,0 +1,136 @@
+"""An operator for each design of the flap library, which adds the whole operation; and their menu."""
+
+import math
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+from numpy.typing import NDArray
+
+from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
+from lappet.designs.library import DESIGNS
+from lappet.designs.library_design import LibraryDesign, Parameter
+from lappet.designs.library_operation import add_flap, skin_line_direction
+from lappet.procedure import Procedure
+from lappet.tissue.skin_sheet import SkinSheet
+
+from ..interface.operator_base import OperatorBase
+from ..model.scene_procedure import read_scene
+from ..model.units import to_mm
+from .add_events import add_events
+from .event_check import tissue_of
+from .operator_values import given
+
+_DIRECTIONS = (
+    ("ALONG", "Along Skin Lines", "Along the lines of the skin, or the fibers of its material"),
+    ("ACROSS", "Across Skin Lines", "Square to the lines of the skin"),
+    ("X", "Scene X", "Along the scene's x axis, as far as the skin has that direction"),
+)
+
+
+class _FlapAdd(OperatorBase):
+    """What all the operators share: where a design lies, how it is turned, and when it is done."""
+
+    edits_procedure = True
+    design: LibraryDesign
+    at: Any
+    lines: str
+    turned: float
+    mirrored: bool
+
+    def run(self, context: bpy.types.Context) -> str:
+        scene = context.scene
+        tissue = tissue_of(scene)
+        reading = read_scene(scene)
+        if reading.procedure is None:
+            raise RefusedError([each for each in reading.problems if each.severity == "error"])
+        procedure = reading.procedure
+        at = self.at if self.properties.is_property_set("at") else to_mm(scene, scene.cursor.location)
+        on_skin, normals = SkinSheet.of(tissue).at(at)
+        direction = _turned(self._direction(procedure, on_skin[0]), normals[0], self.turned)
+        measures = {each.name: float(getattr(self, each.name)) for each in self.design.parameters}
+        start = given(self, "time", scene.frame_current)
+        flap = add_flap(
+            procedure, self.design.name, on_skin[0], direction, measures, mirrored=self.mirrored, start=start
+        )
+        before = len(procedure.events)
+        last = scene.frame_end
+        scene.frame_end = max(last, math.ceil(flap.end_time))
+        try:
+            add_events(scene, flap.events[before:])
+        except RefusedError:
+            scene.frame_end = last
+            raise
+        return f"{self.design.title}: {len(flap.events) - before} events."
+
+    def _direction(self, procedure: Procedure, at: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The direction in mm before it is turned by `turned`."""
+        if self.lines == "X":
+            return np.array([1.0, 0.0, 0.0])
+        try:
+            return skin_line_direction(procedure, at, across=self.lines == "ACROSS")
+        except RefusedError as refused:
+            if self.properties.is_property_set("lines") or refused.problems[0].code != ProblemCode.DESIGN_NO_LINES:
+                raise
+            return np.array([1.0, 0.0, 0.0])
+
+
+def _turned(direction: NDArray[np.float64], normal: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """A direction turned about a normal (radians, counter-clockwise)."""
+    return np.cos(angle) * direction + np.sin(angle) * np.cross(normal, direction)
+
+
+def _measure(parameter: Parameter) -> Any:
+    return FloatProperty(
+        name=parameter.name.replace("_", " ").title(),
+        description=f"{parameter.meaning[:1].upper()}{parameter.meaning[1:]}{_unit(parameter)}; {parameter.range_text}",
+        default=parameter.default,
+        min=parameter.least,
+        max=parameter.most,
+        precision=2,
+    )
+
+
+def _unit(parameter: Parameter) -> str:
+    return {"mm": " in mm", "°": " in degrees"}.get(parameter.unit, "")
+
+
+def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
+    """The operator `lappet.flap_NAME` of a design."""
+    fields: dict[str, Any] = {each.name: _measure(each) for each in design.parameters}
+    fields |= {
+        "at": FloatVectorProperty(
+            name="Place", description=f"In mm: {design.center}; if not given, the 3D cursor", size=3, precision=2
+        ),
+        "lines": EnumProperty(
+            name="Direction",
+            description=f"What runs so: {design.direction}",
+            items=_DIRECTIONS,
+            default="ACROSS" if design.lines == "across" else "ALONG",
+        ),
+        "turned": FloatProperty(name="Turned", description="Turned in the skin by this angle", subtype="ANGLE"),
+        "mirrored": BoolProperty(name="Mirrored", description="Mirrored about its direction"),
+        "time": FloatProperty(name="Frame", description="Before the first cut; if not given, the current frame"),
+    }
+    attributes: dict[str, Any] = {
+        "__doc__": design.indication.rstrip("."),
+        "__annotations__": fields,
+        "bl_label": design.title,
+    }
+    attributes["design"] = design
+    return type(f"LAPPET_OT_flap_{design.name.replace('-', '_')}", (_FlapAdd, bpy.types.Operator), attributes)
+
+
+class VIEW3D_MT_lappet_flap(bpy.types.Menu):
+    bl_label = "Flap"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.operator_context = "EXEC_DEFAULT"
+        for operator in OPERATORS:
+            self.layout.operator(operator.bl_idname)
+
+
+OPERATORS = tuple(_operator(design) for design in DESIGNS.values())
+CLASSES = (*OPERATORS, VIEW3D_MT_lappet_flap)

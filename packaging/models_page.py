@@ -1,0 +1,102 @@
+"""The page of the anatomical models, from their catalogue."""
+
+from __future__ import annotations
+
+from lappet.models.catalogue import BODY_MODELS
+from lappet.models.description import LICENSE, sources_of
+from lappet.models.model import Depth, Model
+from lappet.models.plain_models import PLAIN_MODELS
+from lappet.models.sources import CHOSEN, SOURCES
+from lappet.tissue.presets import PRESETS
+
+PAGE = "docs/models.md"
+INTRODUCTION = """# Anatomical models
+
+`make docs` writes this page from `shared/lappet/models/`. *chosen* means that no measurement was found.
+
+```
+lappet models fetch                        # once: downloads the package that the body models are cut from (48 MB)
+lappet models list
+lappet models show nose                    # what it is made of, with sources
+lappet models new nose -o nose.usda
+lappet models new face -o face.usda --age 70 --sex female --weight 0.3
+lappet models new nose -o nose.usda --target nose/nose-hump-incr=0.8
+lappet models targets nose                 # all shape targets with "nose" in their name
+lappet models new cheek -o cheek.usda --excision      # with a first operation: a fusiform excision, closed
+```
+
+In Blender: *Add > Lappet > Model*. It never downloads anything; fetch the package on the command line first.
+
+![The models, each in its surroundings; pink is tissue, lines are skin lines](images/models.png)
+
+## What a model is
+
+A model is a procedure without an operation: a closed sheet of tissue, skin over fat, below a part of a body's skin.
+
+- **Coordinates** are millimeters: x runs to the patient's right, y to the front, z up. *Left* is the patient's left.
+  All models of the body keep their place in it, so that their coordinates agree.
+- **Held**: the rim at the outer border is the group `fixed`, the underside lies on an elastic `bed`. The borders of
+  lids, lips and nostrils are free (`rim` without `fixed`), and what lies on free inner skin, such as the back of an
+  ear, has no bed.
+- **Thickness** follows from the tables below. Where the surface leaves no room, at a lid's edge or in the ear, the
+  tissue is thinner. Below it is what the bed stands for; no bone is modeled but that of the dome.
+- **Skin lines** are relaxed skin tension lines, drawn by hand after Borges. `--laxity 0` puts the skin under the
+  tension of its preset along them, 1 (the default) under none; at the edges of lids and lips it vanishes.
+- **Landmarks** have their anatomical names, paired ones with `_left` and `_right`.
+- **Scenery** (`/Procedure/Scenery`) is the rest of the body around the tissue, with eyes and teeth: shown, not
+  solved. `--no-scenery` leaves it out.
+- **Shape**: age, sex and weight mix the package's own targets as MakeHuman does, all other targets are added in the
+  amounts that `--target` gives. A model holds the same skin whatever the shape.
+
+What a model is not: a patient. The body is one that artists made, not a scan; thicknesses are means or chosen and one
+number for each model; muscles, SMAS, galea and cartilage are not layers of their own; vessels and nerves are not in
+it.
+"""
+
+
+def models_page() -> str:
+    """Return the text of docs/models.md."""
+    rows = [
+        "## The models",
+        "",
+        "Tried: a fusiform excision of this length, a third as wide, cut through, undermined and closed at the "
+        "spacing of the table, with laxity 1; every frame converged.",
+        "",
+        "| model | what | skin mm | below mm | material | bed | spacing mm | tried mm |",
+        "|---|---|---:|---:|---|---|---:|---:|",
+    ]
+    for model in BODY_MODELS.values():
+        rows.append(
+            f"| `{model.name}` | {model.title} | {model.skin.mm:g} | {model.fat.mm:g} | "
+            f"[`{model.preset}`](tissues.md#{model.preset}) | {model.bed} | {model.spacing:g} | "
+            f"{model.trial.length:g} |"
+        )
+    for plain in PLAIN_MODELS.values():
+        rows.append(
+            f"| `{plain.name}` | {plain.title} | {plain.skin:g} | 2.5 | [`skin`](tissues.md#skin) | default | "
+            f"{plain.spacing:g} | {plain.trial.length:g} |"
+        )
+    rows += ["", "## Where the thicknesses come from", ""]
+    for model in BODY_MODELS.values():
+        rows.append(f"- `{model.name}`: skin {_depth(model.skin)}; below it {_depth(model.fat)}. {_tension(model)}")
+    used = dict.fromkeys([*(name for model in BODY_MODELS.values() for name in sources_of(model)), "Borges 1962"])
+    rows += ["", "## Sources", "", *(f"- {name}: {SOURCES[name]}." for name in SOURCES if name in used), ""]
+    rows += [
+        "## License",
+        "",
+        f"Every model of the body: {LICENSE}. `lappet models fetch` downloads that file by its SHA-256 with pip into "
+        "the user's data folder (`LAPPET_MODELS` names another one) and installs nothing. `patch` and `dome` are "
+        "made by Lappet itself.",
+        "",
+    ]
+    return INTRODUCTION + "\n" + "\n".join(rows)
+
+
+def _depth(depth: Depth) -> str:
+    source = "chosen" if depth.source == CHOSEN else depth.source
+    return f"{depth.mm:g} mm ({source}: {depth.how})"
+
+
+def _tension(model: Model) -> str:
+    along, across = PRESETS[model.preset].tension
+    return f"Tension at laxity 0: {along:g} kPa along the lines, {across:g} across."

@@ -1,0 +1,160 @@
+"""`lappet flap`: the library of flap designs, and operations made of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lappet.commands.parameters import FILE
+from lappet.commands.reading_options import reading_options
+from lappet.commands.refusals import sentences
+from lappet.foreign.limits import ReadLimits
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+class Measure(click.ParamType):
+    """A measure of a design and its value: `side=18`."""
+
+    name = "NAME=VALUE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the measure.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the pair itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The pair (name, value).
+        """
+        if isinstance(value, tuple):
+            return value
+        name, _, number = str(value).partition("=")
+        try:
+            return (name.strip(), float(number))
+        except ValueError:
+            self.fail(f"{value!r} is no measure; give NAME=VALUE, like side=18.", param, ctx)
+
+
+@click.group()
+def flap() -> None:
+    """List the library of flap designs, and add the operation of one to a procedure."""
+
+
+@flap.command("list")
+@click.pass_context
+def list_designs(context: click.Context) -> None:
+    """List the designs of the library."""
+    with sentences(context):
+        from lappet.designs.library import DESIGNS
+
+        wide = max(len(name) for name in DESIGNS)
+        for design in DESIGNS.values():
+            click.echo(f"{design.name:<{wide}}  {design.indication}")
+
+
+@flap.command("show")
+@click.argument("name")
+@click.pass_context
+def show_design(context: click.Context, /, name: str) -> None:
+    """Show the design NAME: what it is for, its measures with their ranges, and where these come from."""
+    with sentences(context):
+        from rich import box
+        from rich.console import Console
+        from rich.table import Table
+
+        from lappet.designs.library import library_design
+
+        design = library_design(name)
+        table = Table(box=box.SIMPLE_HEAD)
+        for heading in ("measure", "default", "range", "what it is", "source"):
+            table.add_column(heading)
+        for parameter in design.parameters:
+            default = f"{parameter.default:g} {parameter.unit}".strip()
+            table.add_row(parameter.name, default, parameter.range_text, parameter.meaning, parameter.source)
+        click.echo(f"{design.title}: {design.indication}")
+        click.echo(f"--at is {design.center}; --direction is {design.direction}.")
+        if design.lines:
+            click.echo(f"Surgeons lay the direction {design.lines} the lines of the skin (--lines {design.lines}).")
+        Console().print(table)
+        click.echo(f"Sources: {design.sources}")
+
+
+@flap.command("add")
+@click.argument("name")
+@click.argument("procedure", type=FILE, required=False)
+@click.option("-o", "--output", type=FILE, required=True, help="The procedure with the operation (.usda or .usdc).")
+@click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Where it lies on the skin, in mm.")
+@click.option("--landmark", help="Where it lies: the label of a landmark.")
+@click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its direction along the skin.")
+@click.option("--lines", type=click.Choice(["along", "across"]), help="Its direction, by the lines of the skin.")
+@click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the design; may be repeated.")
+@click.option("--mirrored", is_flag=True, help="Mirror it about its direction.")
+@click.option("--start", type=float, help="Time code before the first cut.  [default: the end of the timeline]")
+@click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
+@reading_options
+@click.pass_context
+def add(
+    context: click.Context,
+    /,
+    name: str,
+    procedure: Path | None,
+    output: Path,
+    at: tuple[float, float, float] | None,
+    landmark: str | None,
+    direction: tuple[float, float, float] | None,
+    lines: str | None,
+    measures: tuple[tuple[str, float], ...],
+    mirrored: bool,
+    start: float | None,
+    spacing: float | None,
+    limits: ReadLimits,
+) -> None:
+    """Add the operation of the design NAME to PROCEDURE, or to a flat patch of skin.
+
+    Cuts, excision, undermining, hooks that carry the flap, rows of sutures and landmarks, in the order of a surgeon.
+    """
+    if at is not None and landmark is not None:
+        raise click.UsageError("Give --at or --landmark, not both.")
+    if direction is not None and lines is not None:
+        raise click.UsageError("Give --direction or --lines, not both.")
+    placed = at is not None or landmark is not None
+    directed = direction is not None or lines is not None
+    if procedure is None and (placed or directed or start is not None):
+        raise click.UsageError("--at, --landmark, --direction, --lines and --start need a PROCEDURE.")
+    if procedure is not None and not (placed and directed):
+        raise click.UsageError("Say where it lies (--at or --landmark) and how (--direction or --lines).")
+    with sentences(context):
+        from dataclasses import replace
+
+        from lappet.designs.library_operation import (
+            SPACING,
+            add_flap,
+            flap_on_patch,
+            landmark_place,
+            skin_line_direction,
+        )
+        from lappet.usd.stage import read_procedure, write_procedure
+
+        if procedure is None:
+            made = flap_on_patch(name, dict(measures), mirrored=mirrored, spacing=spacing or SPACING)
+        else:
+            given = read_procedure(procedure, limits=limits)
+            if spacing is not None:
+                given = replace(given, tissue=replace(given.tissue, spacing=spacing))
+            place = at or landmark_place(given, str(landmark))
+            way: ArrayLike = direction or skin_line_direction(given, place, across=lines == "across")
+            made = add_flap(given, name, place, way, dict(measures), mirrored=mirrored, start=start)
+        write_procedure(made, output)
+        click.echo(f"Written: {output}")

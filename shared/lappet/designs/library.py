@@ -1,0 +1,63 @@
+"""The flap library: every design by its name."""
+
+from __future__ import annotations
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.designs.a_t_plasty import A_T_PLASTY
+from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
+from lappet.designs.bilobed_flap import BILOBED
+from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
+from lappet.designs.library_design import LibraryDesign
+from lappet.designs.o_z_plasty import O_Z_PLASTY
+from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
+from lappet.designs.rotation_flap import ROTATION
+from lappet.designs.s_plasty import DUAL_S_PLASTY
+from lappet.designs.v_y_plasty import V_Y_PLASTY, Y_V_PLASTY
+from lappet.designs.w_plasty_design import W_PLASTY
+from lappet.designs.z_plasty_flaps import Z_PLASTY
+
+# In the order of a textbook: excisions, scar revisions, transposition, rotation, advancement.
+DESIGNS = {
+    design.name: design
+    for design in (
+        FUSIFORM,
+        S_EXCISION,
+        W_PLASTY,
+        Z_PLASTY,
+        LIMBERG,
+        DUFOURMENTEL,
+        BILOBED,
+        ROTATION,
+        O_Z_PLASTY,
+        DUAL_S_PLASTY,
+        U_PLASTY,
+        H_PLASTY,
+        A_T_PLASTY,
+        V_Y_PLASTY,
+        Y_V_PLASTY,
+    )
+}
+
+
+def library_design(name: str) -> LibraryDesign:
+    """Look up a design.
+
+    Parameters
+    ----------
+    name
+        Its name.
+
+    Returns
+    -------
+    LibraryDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the library has none of that name.
+    """
+    if name not in DESIGNS:
+        raise refused(ProblemCode.DESIGN_UNKNOWN, "", name, known=", ".join(DESIGNS))
+    return DESIGNS[name]

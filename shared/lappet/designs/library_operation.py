@@ -1,0 +1,347 @@
+"""A design of the flap library laid on a procedure's skin, with the operation that it makes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.designs.flap_design import FlapDesign
+from lappet.designs.flat_curves import length
+from lappet.designs.geodesic_drape import GeodesicDrape
+from lappet.designs.library import library_design
+from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.triangulation import triangulate
+from lappet.procedure import Event, Landmark, Point, Procedure, Tissue
+from lappet.procedure.prim_paths import TIMELINE
+from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import SKIN
+from lappet.tissue.skin_lines import skin_field
+from lappet.tissue.skin_sheet import SkinSheet
+
+# Shares of the tissue's thickness at which sutures lie: through the deep layer, through the dermis, and on the skin.
+DEEP, DERMAL = 0.8, 0.15
+SEAM_SUTURES = 6.0  # sutures of a row along the longest seam, at least, as long as the lattice can hold them
+BEYOND = 15.0  # mm of skin undermined around the cuts; half of it shrinks with the design
+MARGIN = 24.0  # mm of skin around a design on a patch of its own
+THICKNESS = 4.0  # mm, of such a patch
+SPACING = 4.0 / 3.0  # mm, of its lattice: three cells through the skin
+_UNMEASURED = 4.0  # mm: thickness of a tissue without a bed
+
+
+def flap_on_skin(
+    tissue: Tissue,
+    name: str,
+    at: ArrayLike,
+    direction: ArrayLike,
+    values: Mapping[str, float] | None = None,
+    *,
+    mirrored: bool = False,
+) -> FlapDesign:
+    """Lay a design of the library on a skin, by geodesics from a point of it.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    name
+        Name of the design.
+    at
+        Where it lies in mm, shape (3,); `LibraryDesign.center` says what of it.
+    direction
+        Its direction along the skin, shape (3,).
+    values
+        Values of its parameters that are not the default.
+    mirrored
+        Whether it is mirrored.
+
+    Returns
+    -------
+    FlapDesign
+        The design on the skin.
+
+    Raises
+    ------
+    RefusedError
+        If the library has no such design or the design no such parameter, a value is out of range, or the design is
+        larger than the skin there.
+    """
+    row = library_design(name)
+    given = row.values(values or {})
+    drape = GeodesicDrape(SkinSheet.of(tissue), at)
+    design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
+    if drape.misfit is not None:
+        lacking = drape.misfit
+        raise refused(
+            ProblemCode.DESIGN_OFF_SKIN,
+            name,
+            f"{lacking.missing:.1f}",
+            place=Place.at(lacking.point),
+            at="({:.1f}, {:.1f}, {:.1f})".format(*lacking.point),
+            share=f"{math.floor(100.0 * lacking.share)} %",
+        )
+    return design
+
+
+def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique:
+    """Choose how a surgeon works on a design of this size in tissue of this thickness.
+
+    Parameters
+    ----------
+    design
+        The design on the skin.
+    thickness
+        Thickness of the tissue in mm.
+    spacing
+        Edge of the lattice's cells in mm; sutures are no denser than 1.5 of them.
+
+    Returns
+    -------
+    Technique
+        Rows at shares of the thickness; sutures, margins and hooks as fit the longest seam.
+    """
+    usual = Technique()
+    seam = max(length(np.array(edge.points)) for seam in design.seams for edge in seam.edges)
+    apart = max(min(usual.apart, seam / SEAM_SUTURES), 1.5 * spacing)
+    small = min(1.0, seam / 20.0)
+    return replace(
+        usual,
+        rows=(
+            Row("deep", round(DEEP * thickness, 2)),
+            Row("dermal", round(DERMAL * thickness, 2), 0.5),
+            Row("skin", 0.0),
+        ),
+        apart=apart,
+        margin=min(usual.margin, 0.7 * apart),
+        beyond=round(0.5 * BEYOND * (1.0 + small), 2),
+        height=round(usual.height * small, 2),
+        inside=min(usual.inside, max(0.1 * seam, spacing)),
+    )
+
+
+def schedule(design: FlapDesign, start: float = 1.0) -> Schedule:
+    """Choose when the steps of a design are done.
+
+    Parameters
+    ----------
+    design
+        The design.
+    start
+        Time code before the first cut.
+
+    Returns
+    -------
+    Schedule
+        That of a flap; without hooks its sutures follow the undermining.
+    """
+    usual = Schedule() if design.carries else Schedule(donor_from=8, donor_to=18, suture_from=8, suture_to=21, end=24)
+    return Schedule(**{name: value + start - 1.0 for name, value in vars(usual).items()})
+
+
+def add_flap(
+    procedure: Procedure,
+    name: str,
+    at: ArrayLike,
+    direction: ArrayLike,
+    values: Mapping[str, float] | None = None,
+    *,
+    mirrored: bool = False,
+    start: float | None = None,
+) -> Procedure:
+    """Add the operation of a design to a procedure.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    name
+        Name of the design.
+    at
+        Where it lies in mm, shape (3,).
+    direction
+        Its direction along the skin, shape (3,).
+    values
+        Values of its parameters that are not the default.
+    mirrored
+        Whether it is mirrored.
+    start
+        Time code before the first cut; None for where the timeline ends, or its start if there are no events.
+
+    Returns
+    -------
+    Procedure
+        The procedure with the events, its timeline long enough for them.
+
+    Raises
+    ------
+    RefusedError
+        As `flap_on_skin`.
+    """
+    tissue = procedure.tissue
+    design = flap_on_skin(tissue, name, at, direction, values, mirrored=mirrored)
+    skin = SkinSheet.of(tissue)
+    if start is None:
+        timed = any(not isinstance(event, Landmark) for event in procedure.events)
+        start = procedure.end_time if timed else procedure.start_time
+    when = schedule(design, start)
+    how = technique(design, thickness_at(tissue, at), tissue.spacing)
+    events = _named_apart(flap_operation(design, skin, when, how, draped=True), procedure, name)
+    longer = replace(procedure, end_time=max(procedure.end_time, when.end))
+    return longer.with_events(*events)
+
+
+def flap_on_patch(
+    name: str, values: Mapping[str, float] | None = None, *, mirrored: bool = False, spacing: float = SPACING
+) -> Procedure:
+    """Make a procedure of a design on a flat patch of the default skin, large enough for it.
+
+    Parameters
+    ----------
+    name
+        Name of the design.
+    values
+        Values of its parameters that are not the default.
+    mirrored
+        Whether it is mirrored.
+    spacing
+        Edge of the lattice's cells in mm.
+
+    Returns
+    -------
+    Procedure
+        The procedure; the design's direction runs along x.
+
+    Raises
+    ------
+    RefusedError
+        As `flap_on_skin`.
+    """
+    row = library_design(name)
+    flat = row.draw(np.zeros(3), (1.0, 0.0, 0.0), mirrored=mirrored, **row.values(values or {}))
+    curves = [*(cut.outline for cut in flat.excised), *flat.incisions]
+    drawn = np.array([point for curve in curves for point in curve])[:, :2]
+    low, high = drawn.min(axis=0) - MARGIN, drawn.max(axis=0) + MARGIN
+    size, middle = 2.0 * np.ceil(0.5 * (high - low)), np.round(0.5 * (low + high))
+    tissue = flat_patch(
+        (float(size[0]), float(size[1]), THICKNESS), center=(float(middle[0]), float(middle[1])), spacing=spacing
+    )
+    empty = Procedure(tissue, (SKIN.material,), start_time=1, end_time=1, fps=12)
+    return add_flap(empty, name, (0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), values, mirrored=mirrored)
+
+
+def thickness_at(tissue: Tissue, at: ArrayLike) -> float:
+    """Measure how thick the tissue is.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    at
+        A place in mm, shape (3,).
+
+    Returns
+    -------
+    float
+        Distance in mm from the skin there to the bed; 4 where there is none.
+    """
+    bed = tissue.subsets.get("bed", ())
+    if not len(bed):
+        return _UNMEASURED
+    counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
+    triangles, _, faces = triangulate(tissue.points, counts, indices)
+    below = ClosestPoint(tissue.points, triangles[np.isin(faces, bed)])
+    on_skin, _ = SkinSheet.of(tissue).at(at)
+    return float(below.query(on_skin)[2][0])
+
+
+def landmark_place(procedure: Procedure, label: str) -> Point:
+    """Find where a landmark is.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    label
+        Label or name of the landmark; of one with several points the first counts.
+
+    Returns
+    -------
+    Point
+        Its place in mm.
+
+    Raises
+    ------
+    RefusedError
+        If there is none of that name.
+    """
+    marks = [event for event in procedure.events if isinstance(event, Landmark)]
+    for mark in marks:
+        if label in (mark.label, mark.name):
+            return mark.points[0]
+    known = ", ".join(mark.label for mark in marks) or "none"
+    raise refused(ProblemCode.DESIGN_LANDMARK, TIMELINE, label, known=known)
+
+
+def skin_line_direction(procedure: Procedure, at: ArrayLike, *, across: bool = False) -> NDArray[np.float64]:
+    """Find the direction of the lines of the skin at a place, or square to them.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    at
+        The place in mm, shape (3,).
+    across
+        Whether to turn it by 90° in the skin.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Unit vector along the skin, shape (3,).
+
+    Raises
+    ------
+    RefusedError
+        If the procedure has neither skin lines nor a material with a direction.
+    """
+    points, normals = SkinSheet.of(procedure.tissue).at(at)
+    material = procedure.material(procedure.tissue.material)
+    if procedure.skin_lines:
+        along = skin_field(procedure.skin_lines, points, normals, material).directions[0]
+    elif material.has_direction:
+        along = np.asarray(material.fiber_direction, np.float64)
+        along = along - (along @ normals[0]) * normals[0]
+    else:
+        raise refused(ProblemCode.DESIGN_NO_LINES, TIMELINE, "")
+    size = float(np.linalg.norm(along))
+    if not size > 1e-9:
+        raise refused(ProblemCode.DESIGN_NO_LINES, TIMELINE, "")
+    return (np.cross(normals[0], along) if across else along) / size
+
+
+def _named_apart(events: tuple[Event, ...], procedure: Procedure, name: str) -> tuple[Event, ...]:
+    """The events with names, and labels, that the procedure does not have yet."""
+    taken = {event.name for event in procedure.events}
+    if not taken & {event.name for event in events}:
+        return events
+    number = 2
+    while any(other.startswith(f"{_prim(name)}_{number}_") for other in taken):
+        number += 1
+
+    def renamed(event: Event) -> Event:
+        fresh = f"{_prim(name)}_{number}_{event.name}"
+        if isinstance(event, Landmark):
+            return replace(event, name=fresh, label=f"{name} {number} {event.label}")
+        return replace(event, name=fresh)
+
+    return tuple(renamed(event) for event in events)
+
+
+def _prim(name: str) -> str:
+    return name.replace("-", "_")

@@ -1,0 +1,1 @@
+"""Anatomical models: parts of a body, made ready to be operated on."""

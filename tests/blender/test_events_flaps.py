@@ -1,0 +1,80 @@
+"""Add > Lappet > Flap: a design of the library becomes events of the scene in one step of undo."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from event_patch import patch_scene
+from lappet.core.problem_code import ProblemCode
+from lappet.designs.library import DESIGNS
+from lappet.procedure import Excision, Hook, Incision, Landmark, Suture, Undermine
+from lappet_blender.events.flap_operators import OPERATORS
+from lappet_blender.model.event_values import event_value
+from lappet_blender.model.scene_procedure import read_scene
+from refusals import refusal_code
+
+TOP = 4.0
+ops = bpy.ops.lappet
+
+
+@pytest.fixture
+def patch(scene: bpy.types.Scene) -> bpy.types.Scene:
+    """A scene in mm with a patch of 140 x 120 x 4 mm, the 3D cursor on it."""
+    patch_scene(scene, (140.0, 120.0, TOP), 40)
+    scene.cursor.location = (0.0, 0.0, TOP)
+    bpy.ops.ed.undo_push(message="the patch")
+    return scene
+
+
+def events(scene: bpy.types.Scene) -> list:
+    return [event_value(scene, each) for each in scene.lappet.events]
+
+
+def test_there_is_an_operator_for_every_design() -> None:
+    assert [each.design.name for each in OPERATORS] == list(DESIGNS)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_design_adds_its_operation_without_a_problem(patch: bpy.types.Scene, name: str) -> None:
+    assert getattr(ops, f"flap_{name.replace('-', '_')}")(time=1) == {"FINISHED"}
+    found = {type(event) for event in events(patch)}
+    assert {Incision, Undermine, Suture, Landmark} <= found
+    procedure = read_scene(patch).procedure
+    assert procedure is not None
+    assert len(procedure.events) == len(patch.lappet.events)
+
+
+def test_a_limberg_lies_at_the_cursor_with_the_measures_given(patch: bpy.types.Scene) -> None:
+    patch.cursor.location = (-20.0, 10.0, TOP)
+    assert ops.flap_limberg(side=10.0, lines="X", time=1) == {"FINISHED"}
+    found = {event.name: event for event in events(patch)}
+    excision = found["excision"]
+    assert isinstance(excision, Excision)
+    assert excision.seeds[0] == pytest.approx((-20.0, 10.0, TOP), abs=1e-3)
+    assert max(x for x, _, _ in found["limbs"].points) == pytest.approx(-20.0 + 15.0, abs=0.01)
+    assert isinstance(found["hook_tip"], Hook)
+
+
+def test_it_is_one_step_of_undo_and_the_timeline_grows_to_hold_it(patch: bpy.types.Scene) -> None:
+    patch.frame_end = 10
+    bpy.ops.ed.undo_push(message="short")
+    assert ops.flap_z_plasty("EXEC_DEFAULT", True, time=3) == {"FINISHED"}
+    scene = bpy.context.scene
+    assert scene.frame_end == 42
+    assert len(scene.lappet.events) > 10
+    bpy.ops.ed.undo()
+    assert len(bpy.context.scene.lappet.events) == 0
+    assert bpy.context.scene.frame_end == 10
+
+
+def test_a_design_larger_than_the_skin_is_refused_and_changes_nothing(patch: bpy.types.Scene) -> None:
+    patch.frame_end = 10
+    code = refusal_code(lambda: ops.flap_limberg(side=60.0, at=(50.0, 0.0, TOP), lines="X"))
+    assert code == ProblemCode.DESIGN_OFF_SKIN
+    assert len(patch.lappet.events) == 0
+    assert patch.frame_end == 10
+
+
+def test_without_tissue_there_is_nothing_to_draw_on(scene: bpy.types.Scene) -> None:
+    assert refusal_code(lambda: ops.flap_limberg()) == ProblemCode.TISSUE_NONE

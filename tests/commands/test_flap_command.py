@@ -1,0 +1,91 @@
+"""`lappet flap`: the library on the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from lappet.commands.cli import cli
+from lappet.designs.library import DESIGNS
+from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
+from lappet.tissue.dome import dome_scalp
+from lappet.usd.stage import read_procedure, write_procedure
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, ["flap", *(str(each) for each in arguments)])
+
+
+@pytest.fixture
+def dome(tmp_path: Path) -> Path:
+    """A dome with a landmark on it."""
+    mark = Landmark("lesion", ((0.0, 10.0, 89.4),), "lesion")
+    path = tmp_path / "dome.usda"
+    write_procedure(Procedure(dome_scalp(90.0, 70.0, 6.0), events=(mark,), start_time=1, end_time=1), path)
+    return path
+
+
+def test_the_list_names_every_design_and_what_it_is_for() -> None:
+    result = run("list")
+    assert result.exit_code == 0
+    for design in DESIGNS.values():
+        assert any(line.startswith(design.name) and design.indication in line for line in result.stdout.splitlines())
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_design_is_shown_with_its_measures_and_their_ranges(name: str) -> None:
+    result = run("show", name)
+    assert result.exit_code == 0, result.output
+    for parameter in DESIGNS[name].parameters:
+        assert parameter.name in result.stdout
+        assert f"{parameter.default:g}" in result.stdout
+
+
+def test_a_design_without_a_procedure_comes_on_a_patch_of_its_own(tmp_path: Path) -> None:
+    result = run("add", "limberg", "-o", tmp_path / "p.usda", "--set", "side=12", "--spacing", 2, "--mirrored")
+    assert result.exit_code == 0, result.output
+    procedure = read_procedure(tmp_path / "p.usda")
+    assert procedure.tissue.spacing == 2.0
+    assert {Incision, Hook, Suture, Landmark} <= {type(event) for event in procedure.events}
+
+
+def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path, tmp_path: Path) -> None:
+    result = run("add", "z-plasty", dome, "-o", tmp_path / "p.usda", "--landmark", "lesion", "--lines", "across")
+    assert result.exit_code == 0, result.output
+    procedure = read_procedure(tmp_path / "p.usda")
+    (cut,) = [event for event in procedure.events if isinstance(event, Incision)]
+    assert procedure.event("lesion") is not None
+    middle = [sum(values) / len(values) for values in zip(*cut.points, strict=True)]
+    assert middle[0] == pytest.approx(0.0, abs=0.5)
+    assert middle[1] == pytest.approx(10.0, abs=0.7)
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "said"),
+    [
+        (("limberg", "--at", 0, 0, 90), 2, "--direction"),
+        (("limberg", "--at", 0, 0, 90, "--landmark", "lesion"), 2, "not both"),
+        (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--lines", "along"), 2, "not both"),
+        (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--set", "side"), 2, "NAME=VALUE"),
+        (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--set", "side=1000"), 1, "side"),
+        (("limberg", "--at", 0, 60, 60, "--direction", 0, 1, 0, "--set", "side=40"), 1, "limberg"),
+        (("limberg", "--landmark", "ala", "--direction", 1, 0, 0), 1, "ala"),
+        (("limburg", "--at", 0, 0, 90, "--direction", 1, 0, 0), 1, "limburg"),
+    ],
+)
+def test_what_cannot_be_added_is_refused_and_nothing_is_written(
+    dome: Path, tmp_path: Path, options: tuple, status: int, said: str
+) -> None:
+    name, *rest = options
+    result = run("add", name, dome, "-o", tmp_path / "p.usda", *rest)
+    assert result.exit_code == status, result.output
+    assert said in result.output
+    assert not (tmp_path / "p.usda").exists()
+
+
+def test_a_place_needs_a_procedure(tmp_path: Path) -> None:
+    result = run("add", "limberg", "-o", tmp_path / "p.usda", "--at", 0, 0, 4)
+    assert result.exit_code == 2
+    assert "PROCEDURE" in result.output

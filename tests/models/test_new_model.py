@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lappet import check
+from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
+from lappet.geometry.closest_point import closest_points
+from lappet.models.body_shape import BodyShape
+from lappet.models.catalogue import BODY_MODELS
+from lappet.models.model_choice import ModelChoice
+from lappet.models.new_model import MODELS, new_model
+from lappet.procedure import Procedure
+from lappet.tissue.skin_sheet import SkinSheet
+from lappet.usd.stage import read_procedure, write_procedure
+
+
+@cache
+def made(name: str) -> Procedure:
+    return new_model(name, ModelChoice(excision=True))
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+def test_every_model_with_its_excision_has_no_problem(name: str) -> None:
+    assert check(made(name)) == []
+
+
+@pytest.mark.parametrize("name", list(BODY_MODELS))
+def test_skin_lines_and_landmarks_lie_on_the_skin(name: str) -> None:
+    procedure = made(name)
+    skin = SkinSheet.of(procedure.tissue)
+    assert procedure.skin_lines
+    for line in procedure.skin_lines:
+        on_skin = skin.place(line.points)
+        assert np.linalg.norm(on_skin - line.points, axis=1).max() < 0.05, line.name
+    for event in procedure.events:
+        if event.kind == "Landmark":
+            assert np.linalg.norm(skin.place(event.points) - event.points) < 0.05, event.name
+
+
+@pytest.mark.parametrize("name", ["face", "lips", "eyelids", "nose"])
+def test_tissue_is_held_at_its_border_and_free_at_the_openings(name: str) -> None:
+    tissue = made(name).tissue
+    faces = tissue.face_vertex_indices.reshape(-1, 3)
+    held = np.zeros(len(faces), bool)
+    held[tissue.subsets["fixed"]] = True
+    free = np.setdiff1d(tissue.subsets["rim"], tissue.subsets["fixed"])
+    assert len(free) > 100
+    assert not np.intersect1d(faces[held], faces[free]).size
+    region = BODY_MODELS[name].region
+    assert region.level(tissue.points[faces[free]].mean(axis=1)).max() < -0.5
+
+
+def test_most_of_the_cheek_is_as_thick_as_the_catalogue_says() -> None:
+    tissue = made("cheek").tissue
+    faces = tissue.face_vertex_indices.reshape(-1, 3)
+    under = faces[tissue.subsets["underside"]]
+    skin = SkinSheet.of(tissue)
+    below = tissue.points[np.unique(under)]
+    away = np.linalg.norm(skin.place(below) - below, axis=1)
+    wanted = BODY_MODELS["cheek"].thickness
+    assert np.median(away) == pytest.approx(wanted, rel=0.05)
+    assert away.max() < 1.02 * wanted
+
+
+@pytest.mark.parametrize("name", ["nose", "hand"])
+def test_scenery_begins_where_the_tissue_ends(name: str) -> None:
+    procedure = made(name)
+    (around,) = (each for each in procedure.scenery if each.kind == "skin")
+    faces = procedure.tissue.face_vertex_indices.reshape(-1, 3)
+    border = np.intersect1d(faces[procedure.tissue.subsets["fixed"]], faces[_skin(procedure)])
+    away = closest_points(procedure.tissue.points[border], around.points, around.face_vertex_indices.reshape(-1, 3))[2]
+    assert len(border) > 50
+    assert away.max() < 0.02  # the scenery is rounded to 0.01 mm
+
+
+def _skin(procedure: Procedure) -> np.ndarray:
+    tissue = procedure.tissue
+    count = len(tissue.face_vertex_counts)
+    return np.setdiff1d(np.arange(count), np.concatenate([tissue.subsets["rim"], tissue.subsets["underside"]]))
+
+
+def test_the_head_around_a_nose_has_eyes_and_teeth() -> None:
+    kinds = [each.kind for each in made("nose").scenery]
+    assert sorted(kinds) == ["eye", "eye", "iris", "iris", "pupil", "pupil", "skin", "teeth"]
+    assert new_model("nose", ModelChoice(scenery=False)).scenery == ()
+
+
+def test_a_model_survives_its_file(tmp_path: Path) -> None:
+    write_procedure(made("hand"), tmp_path / "hand.usdc")
+    assert read_procedure(tmp_path / "hand.usdc") == made("hand")
+
+
+def test_scenery_of_an_unknown_kind_is_refused_with_those_that_are_known(tmp_path: Path) -> None:
+    procedure = made("hand")
+    odd = replace(procedure, scenery=(replace(procedure.scenery[0], kind="hair"),))  # type: ignore[arg-type]
+    write_procedure(odd, tmp_path / "hand.usda")
+    with pytest.raises(RefusedError) as refused:
+        read_procedure(tmp_path / "hand.usda")
+    assert refused.value.problems[0].code == ProblemCode.SCENERY_KIND
+
+
+def test_laxity_takes_the_tension_of_the_preset_away() -> None:
+    stretch = [new_model("hand", ModelChoice(laxity=laxity)).materials[0].prestretch for laxity in (0.0, 0.5, 1.0)]
+    assert stretch[0][0] > stretch[1][0] > stretch[2][0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "choice", "code"),
+    [
+        ("nostril", ModelChoice(), ProblemCode.MODEL_UNKNOWN),
+        ("nose", ModelChoice(skin=0.0), ProblemCode.MODEL_PARAMETER),
+        ("nose", ModelChoice(laxity=1.5), ProblemCode.MODEL_PARAMETER),
+        ("nose", ModelChoice(spacing=float("nan")), ProblemCode.MODEL_PARAMETER),
+        ("patch", ModelChoice(shape=BodyShape(age=60.0)), ProblemCode.MODEL_NO_BODY),
+    ],
+)
+def test_a_choice_that_makes_no_sense_is_refused(name: str, choice: ModelChoice, code: ProblemCode) -> None:
+    with pytest.raises(RefusedError) as refused:
+        new_model(name, choice)
+    assert refused.value.problems[0].code == code
