@@ -1,4 +1,4 @@
-"""Flaps of the library on models of the face: each is a sound procedure, and one is solved until its wound is closed."""
+"""Flaps of the library on models of the face: each is a sound procedure, and one is solved until it is closed."""
 
 from __future__ import annotations
 
