@@ -65,6 +65,17 @@ def test_the_texture_of_a_cropped_solid_stays_where_it_was() -> None:
     assert uv == pytest.approx(0.01 * place, abs=1e-4)
 
 
+def test_a_block_of_a_few_quads_stays_a_block_when_it_is_refined() -> None:
+    block = trimesh.creation.box((80.0, 60.0, 40.0))
+    tissue, report = tissue_of_mesh(joined(block), 3.0, Box((-50.0, -20.0, -30.0), (10.0, 20.0, 30.0)), resolution=2.0)
+    away = np.abs(tissue.points) - (40.0, 30.0, 20.0)
+    assert away.max() == pytest.approx(0.0, abs=1e-5)
+    skin = np.setdiff1d(np.arange(len(tissue.face_vertex_counts)), np.concatenate([*tissue.subsets.values()]))
+    corners = tissue.points[tissue.face_vertex_indices.reshape(-1, 3)[skin]]
+    assert (np.abs(corners) - (40.0, 30.0, 20.0)).max(axis=2) == pytest.approx(np.zeros(corners.shape[:2]), abs=1e-5)
+    assert "0 mm off" in report["refinement"]
+
+
 def test_a_fin_on_a_solid_is_taken_off() -> None:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=60.0)
     a, b = ball.faces[0][:2]

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 
 from face_meshes import ala, fold, nose, roll, shell
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.surface_check import first_intersection, signed_volume
 from lappet.tissue import Disc, tissue_of_mesh
 from lappet.tissue.inner_side import Surroundings
 from lappet.tissue.mesh_file import Mesh
 from lappet.tissue.surgical_field import surgical_field
 from lappet.tissue.thicken import Sheet, thicken
+from refusals import refuses
 
 
 def sheet_of(mesh: Mesh, thickness: float, around: Surroundings | None = None) -> Sheet:
@@ -74,6 +77,29 @@ def test_a_wall_that_is_not_connected_with_the_skin_ends_the_tissue_and_stays_a_
     assert np.linalg.norm(bed, axis=2) == pytest.approx(np.full(bed.shape[:2], 56.0), abs=0.3)
     assert "lining" not in report
     assert "less than 75% of what was wanted" in report["thickness"]
+
+
+def test_without_a_thickness_a_sheet_goes_down_to_the_inner_wall_wherever_that_is() -> None:
+    outer, inner = trimesh.creation.icosphere(5, 60.0), trimesh.creation.icosphere(5, 50.0)
+    inner.invert()
+    inner.apply_translation([3.0, 0.0, 0.0])
+    both = trimesh.util.concatenate([outer, inner])
+    mesh = Mesh(np.asarray(both.vertices), np.asarray(both.faces, np.int64))
+    for way, thickness in (((1.0, 0.0, 0.0), 7.0), ((-1.0, 0.0, 0.0), 13.0)):
+        middle = tuple(60.0 * x for x in way)
+        tissue, _ = tissue_of_mesh(mesh, region=Disc(middle, 12.0))
+        below = tissue.points[np.linalg.norm(tissue.points, axis=1) < 59.0]
+        assert np.linalg.norm(below - (3.0, 0.0, 0.0), axis=1).min() == pytest.approx(50.0, abs=0.1)
+        nearest = np.linalg.norm(tissue.points - middle, axis=1)
+        n = len(tissue.subsets["bed"])
+        assert n > 0
+        assert np.sort(nearest[np.linalg.norm(tissue.points, axis=1) < 54.0])[0] == pytest.approx(thickness, abs=0.3)
+
+
+def test_without_a_thickness_and_without_an_inner_side_a_field_is_refused() -> None:
+    with refuses(ProblemCode.REGION_NO_INNER_SIDE) as problems:
+        tissue_of_mesh(nose(), region=Disc((0.0, 0.0, 15.0), 10.0))
+    assert problems[0].place is not None
 
 
 def test_where_the_wall_is_further_than_the_thickness_the_thickness_is_as_wanted() -> None:

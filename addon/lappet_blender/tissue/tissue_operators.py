@@ -1,13 +1,15 @@
 """Operators: make an object the tissue, and let go of it."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from lappet.tissue.presets import PRESETS
 
 from ..model.mesh_values import mesh_values
 from ..model.surface_border import open_edge_count
+from ..model.units import to_mm
 from .set_tissue import set_tissue
+from .take_field import take_field
 from .tissue_objects import named_object
 from .tissue_operator import OnTissue, TissueOperator
 
@@ -50,6 +52,44 @@ class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
         return set_tissue(context.scene, obj, self.thickness, self.spacing, self.preset.lower())
 
 
+class LAPPET_OT_tissue_take_field(TissueOperator, bpy.types.Operator):
+    """Make tissue of the active mesh's skin around the 3D cursor; the mesh itself stays and is hidden"""
+
+    bl_label = "Take Skin Around 3D Cursor"
+
+    object: StringProperty(name="Object", description="Name of the object; empty = the active object")
+    point: FloatVectorProperty(
+        name="Point",
+        description="Middle of the field, in mm; the closest point of the skin counts. The 3D cursor if left out",
+        size=3,
+        precision=2,
+        options={"SKIP_SAVE"},
+    )
+    radius: FloatProperty(
+        name="Radius", description="In mm, along the skin", default=40.0, min=0.1, soft_min=5.0, soft_max=150.0
+    )
+    thickness: FloatProperty(
+        name="Thickness",
+        description="Of the sheet, in mm; less where the mesh leaves no room for it",
+        default=_OPEN_THICKNESS,
+        min=0.01,
+        soft_max=20.0,
+    )
+    resolution: FloatProperty(
+        name="Resolution", description="Edges are divided down to this, in mm; 0 = the thickness", default=0.0, min=0.0
+    )
+    preset: EnumProperty(name="Material", items=PRESET_ITEMS, default="SKIN")
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        return context.window_manager.invoke_props_dialog(self)
+
+    def run(self, context: bpy.types.Context) -> str:
+        obj = named_object(context, self.object)
+        given = self.properties.is_property_set("point")
+        point = tuple(self.point) if given else to_mm(context.scene, context.scene.cursor.location)
+        return take_field(context, obj, point, self.radius, self.thickness, self.resolution, self.preset.lower())
+
+
 class LAPPET_OT_tissue_clear(OnTissue, bpy.types.Operator):
     """Remove the tissue from the scene's procedure; the mesh, its groups and the events stay"""
 
@@ -59,4 +99,4 @@ class LAPPET_OT_tissue_clear(OnTissue, bpy.types.Operator):
         context.scene.lappet.tissue.object = None
 
 
-CLASSES = (LAPPET_OT_tissue_set, LAPPET_OT_tissue_clear)
+CLASSES = (LAPPET_OT_tissue_set, LAPPET_OT_tissue_take_field, LAPPET_OT_tissue_clear)

@@ -34,6 +34,7 @@ class LAPPET_PT_tissue(SidebarPanel, bpy.types.Panel):
             )
             label = f"Make {active.name} the Tissue" if active is not None and is_mesh else "Make Tissue"
             layout.operator("lappet.tissue_set", text=label)
+            layout.operator("lappet.tissue_take_field", icon="CURSOR")
             return
         row = layout.row(align=True)
         row.prop(settings, "object", text="Mesh")

@@ -24,6 +24,12 @@ from lappet.commands.refusals import sentences
 @click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin.")
 @click.option("--outline", type=FILE, help="Take the skin inside an outline: a JSON list of points [x, y, z] in mm.")
 @click.option("--resolution", type=float, help="Divide edges of a region down to this, in mm; as the thickness.")
+@click.option(
+    "--texture",
+    type=click.Choice(["grid", "mesh"]),
+    default="grid",
+    help="Lay a sheet's skin out for the printed grid, or keep the mesh's own texture coordinates.",
+)
 @click.option("--picture", type=FILE, help="Draw the mesh with the part that was taken to a PNG file.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")

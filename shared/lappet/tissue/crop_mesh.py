@@ -15,6 +15,7 @@ from lappet.geometry.triangles import directions
 from lappet.tissue.mesh_file import Mesh
 
 Level = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+_CREASE = 0.5  # cosine of the angle from which an edge is sharp
 _MOST_TRIANGLES = 200_000  # a surface that has more is refined no further
 _SNAP = 0.2  # of an edge: a vertex nearer to the border than this is moved onto it
 
@@ -86,13 +87,9 @@ def refine_smoothly(mesh: Mesh, length: float) -> tuple[Mesh, float]:
         lengths = np.linalg.norm(b - a, axis=1)
         if float(np.median(lengths)) <= length or len(triangles) > _MOST_TRIANGLES:
             return Mesh(points, triangles, uv), moved
-        corner = corner_normals(points, triangles)
-        normals = np.zeros_like(points)
-        np.add.at(normals, triangles.reshape(-1), corner.reshape(-1, 3))
-        normals = directions(normals)
-        na, nb = normals[edges[:, 0]], normals[edges[:, 1]]
+        na, nb, level = _edge_normals(points, triangles, edges, inverse)
         rise = np.einsum("ij,ij->i", b - a, na)[:, None] * na - np.einsum("ij,ij->i", b - a, nb)[:, None] * nb
-        smooth = (counts == 2) & (np.einsum("ij,ij->i", na, nb) > 0.5)
+        smooth = (counts == 2) & level & (np.einsum("ij,ij->i", na, nb) > _CREASE)
         rise = np.where(smooth[:, None], -rise / 8.0, 0.0)
         moved = max(moved, float(np.linalg.norm(rise, axis=1).max()))
         n, m = len(points), len(triangles)
@@ -102,6 +99,25 @@ def refine_smoothly(mesh: Mesh, length: float) -> tuple[Mesh, float]:
         if uv is not None:
             t0, t1, t2 = uv.swapaxes(0, 1)
             uv = _quarters(t0, t1, t2, 0.5 * (t0 + t1), 0.5 * (t1 + t2), 0.5 * (t2 + t0))
+
+
+def _edge_normals(
+    points: NDArray[np.float64], triangles: NDArray[np.int64], edges: NDArray[np.int64], inverse: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Normals at both ends of edges (k, 3), from the triangles at each edge, and whether these agree there."""
+    corner = corner_normals(points, triangles)
+    directed = directed_edges(triangles)
+    begins = np.concatenate([corner[:, k] for k in range(3)])
+    ends = np.concatenate([corner[:, (k + 1) % 3] for k in range(3)])
+    ahead = (directed[:, 0] == edges[inverse, 0])[:, None]
+    sums = []
+    for normals in (np.where(ahead, begins, ends), np.where(ahead, ends, begins)):
+        total = np.zeros((len(edges), 3))
+        np.add.at(total, inverse, normals)
+        sums.append(total)
+    # Two unit vectors 60° apart have a sum of length √3.
+    agree = np.minimum(*(np.linalg.norm(total, axis=1) for total in sums)) >= np.sqrt(2.0 + 2.0 * _CREASE)
+    return directions(sums[0]), directions(sums[1]), agree
 
 
 def _quarters(*corners: NDArray[Any]) -> NDArray[Any]:
@@ -198,7 +214,7 @@ def _crop_one(mesh: Mesh, value: NDArray[np.float64], zero: Callable[[NDArray[np
     moved = order[first]
     points = points.copy()
     points[snapped] += (mesh.points[others[moved]] - mesh.points[snapped]) * fraction[moved, None]
-    uv = None if mesh.uv is None else _uv_moved(mesh.uv, triangles, snapped, others[moved], fraction[moved])
+    uv = None if mesh.uv is None else _uv_moved(mesh, mesh.uv, snapped, others[moved], fraction[moved])
     value = value.copy()
     value[snapped] = 0.0
 
@@ -224,31 +240,40 @@ def _between(a: Any, b: Any, at: Any) -> Any:
 
 
 def _uv_moved(
+    mesh: Mesh,
     uv: NDArray[np.float64],
-    triangles: NDArray[np.int64],
     moved: NDArray[np.int64],
     towards: NDArray[np.int64],
     fraction: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Texture coordinates where vertices move along edges: those that the edge's triangles have there move with them.
 
-    At a seam the coordinates on its other side stay.
+    Beyond a seam, where no triangle of the chart has the edge, a triangle's own map is continued.
     """
-    uv = uv.copy()
+    triangles = mesh.triangles
+    uv, before = uv.copy(), uv
     owner = {vertex: k for k, vertex in enumerate(moved.tolist())}
-    rows, corners = np.nonzero(np.isin(triangles, moved))
-    before = uv.copy()
+    places = [(row, corner) for row, corner in np.argwhere(np.isin(triangles, moved)).tolist()]
+
+    def name(row: int, corner: int) -> tuple[int, float, float]:
+        return int(triangles[row, corner]), float(before[row, corner, 0]), float(before[row, corner, 1])
+
     shift: dict[tuple[int, float, float], NDArray[np.float64]] = {}
-    for row, corner in zip(rows.tolist(), corners.tolist(), strict=True):
-        vertex = int(triangles[row, corner])
-        k = owner[vertex]
+    for row, corner in places:
+        k = owner[int(triangles[row, corner])]
         end = np.flatnonzero(triangles[row] == towards[k])
         if len(end):
-            own = before[row, corner]
-            shift[vertex, float(own[0]), float(own[1])] = fraction[k] * (before[row, end[0]] - own)
-    for row, corner in zip(rows.tolist(), corners.tolist(), strict=True):
-        own = before[row, corner]
-        uv[row, corner] += shift.get((int(triangles[row, corner]), float(own[0]), float(own[1])), 0.0)
+            shift[name(row, corner)] = fraction[k] * (before[row, end[0]] - before[row, corner])
+    for row, corner in places:
+        vertex = int(triangles[row, corner])
+        if name(row, corner) not in shift:
+            k = owner[vertex]
+            way = fraction[k] * (mesh.points[towards[k]] - mesh.points[vertex])
+            others = [(corner + 1) % 3, (corner + 2) % 3]
+            sides = mesh.points[triangles[row, others]] - mesh.points[vertex]
+            share = np.linalg.lstsq(sides.T, way, rcond=None)[0]
+            shift[name(row, corner)] = share @ (before[row, others] - before[row, corner])
+        uv[row, corner] += shift[name(row, corner)]
     return uv
 
 

@@ -232,7 +232,7 @@ def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], 
     usd = pxr()
     stage = open_stage(path, limits)
     cache = usd.UsdGeom.XformCache()
-    points, triangles, corners, count = [], [], [], 0
+    points, triangles, corners, uvs, count = [], [], [], [], 0
     for prim in stage.Traverse():
         if not prim.IsA(usd.UsdGeom.Mesh):
             continue
@@ -244,12 +244,14 @@ def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], 
             continue
         if counts.sum() != len(indices) or indices.min() < 0 or indices.max() >= len(local):
             raise refused(ProblemCode.FILE_FACES_DO_NOT_FIT, path, prim.GetPath())
-        faces = triangulate(local, counts, indices)[0]
+        faces, face_corners, _ = triangulate(local, counts, indices)
+        uv = _usd_uv(usd, prim, indices)
         if mesh.GetOrientationAttr().Get() == "leftHanded":
-            faces = faces[:, ::-1]
+            faces, face_corners = faces[:, ::-1], face_corners[:, ::-1]
         matrix = np.asarray(cache.GetLocalToWorldTransform(prim), np.float64).reshape(4, 4)
         if np.linalg.det(matrix[:3, :3]) < 0.0:
-            faces = faces[:, ::-1]
+            faces, face_corners = faces[:, ::-1], face_corners[:, ::-1]
+        uvs.append(None if uv is None else uv[face_corners])
         points.append(local @ matrix[:3, :3] + matrix[3, :3])
         triangles.append(faces + count)
         corners.append(counts)
@@ -258,4 +260,19 @@ def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], 
     y_up = str(usd.UsdGeom.GetStageUpAxis(stage)) == "Y"
     if not points:
         return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), np.zeros(0, np.int64), scale, y_up
-    return Mesh(np.concatenate(points), np.concatenate(triangles)), np.concatenate(corners), scale, y_up
+    textured = None if any(each is None for each in uvs) else np.concatenate([each for each in uvs if each is not None])
+    return Mesh(np.concatenate(points), np.concatenate(triangles), textured), np.concatenate(corners), scale, y_up
+
+
+def _usd_uv(usd: Any, prim: Any, indices: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """The texture coordinates of a mesh's corners (k, 2), or None where it has none that fit."""
+    for primvar in usd.UsdGeom.PrimvarsAPI(prim).GetPrimvars():
+        if primvar.GetTypeName() not in (usd.Sdf.ValueTypeNames.TexCoord2fArray, usd.Sdf.ValueTypeNames.Float2Array):
+            continue
+        values = np.asarray(primvar.ComputeFlattened(usd.Usd.TimeCode.EarliestTime()) or (), np.float64).reshape(-1, 2)
+        kind = str(primvar.GetInterpolation())
+        if kind == "faceVarying" and len(values) == len(indices):
+            return values
+        if kind in ("vertex", "varying") and len(values) > indices.max():
+            return np.asarray(values[indices])
+    return None

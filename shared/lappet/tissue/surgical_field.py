@@ -203,7 +203,7 @@ def _around(mesh: Mesh, point: NDArray[np.float64]) -> Mesh:
 def _refined(mesh: Mesh, edge: float) -> tuple[Mesh, list[Note]]:
     refined, moved = refine_smoothly(mesh, edge)
     value = f"edges of about {edge:g} mm; new points lie up to {moved:.2g} mm off the old edges"
-    return refined, [taken("refinement", value)] if moved > 0.0 else []
+    return refined, [taken("refinement", value)] if len(refined.points) > len(mesh.points) else []
 
 
 def _corners(box: Box) -> tuple[Sequence[float], Sequence[float]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from lappet.tissue.mesh_report import MeshReport, Note, found
 from lappet.tissue.open_mesh_tissue import Thickness, open_mesh_tissue
 from lappet.tissue.surgical_field import Box, Disc, Outline, Region, Sphere, surgical_field
 
+Texture = Literal["grid", "mesh"]
+_EDGE = 2.0  # mm: the resolution of a sheet whose thickness is no number
 _MOST_LENGTHS = 5  # of borders, that the report names
 
 
@@ -36,6 +39,7 @@ def new_tissue(
     limits: ReadLimits = DEFAULT_LIMITS,
     at: tuple[Sequence[float], float] | None = None,
     outline: Outline | None = None,
+    texture: Texture = "grid",
 ) -> tuple[Tissue, MeshReport]:
     """Make tissue from a mesh file.
 
@@ -47,7 +51,8 @@ def new_tissue(
     path
         A mesh file.
     thickness
-        Thickness of the sheet in mm, less where there is no room for it; None for a closed surface.
+        Thickness of the sheet in mm, less where there is no room for it. None for a closed surface, and for the skin
+        around a point or inside an outline down to the surface's own inner side.
     sphere
         Center and radius in mm of a region to take.
     box
@@ -65,6 +70,8 @@ def new_tissue(
         A point of the skin and a radius along the skin, both in mm: a region to take.
     outline
         A closed curve on the skin: a region to take.
+    texture
+        Of a sheet: "grid" lays the skin out flat, "mesh" keeps the mesh's own texture coordinates.
 
     Returns
     -------
@@ -87,7 +94,7 @@ def new_tissue(
     region = regions[0] if regions else None
     _refuse_lengths(path.name, thickness, spacing, resolution, region)
     mesh, report = read_mesh(path, units, limits)
-    return tissue_of_mesh(mesh, thickness, region, spacing, resolution, path.name, report)
+    return tissue_of_mesh(mesh, thickness, region, spacing, resolution, path.name, report, texture)
 
 
 def tissue_of_mesh(
@@ -98,6 +105,7 @@ def tissue_of_mesh(
     resolution: float | None = None,
     name: str = "mesh",
     report: MeshReport | None = None,
+    texture: Texture = "grid",
 ) -> tuple[Tissue, MeshReport]:
     """Make tissue from a mesh, as `new_tissue` does from a file.
 
@@ -106,18 +114,20 @@ def tissue_of_mesh(
     mesh
         The mesh.
     thickness
-        Thickness of the sheet, also as a function of the place on the skin; None for a closed surface.
+        Thickness of the sheet, also as a function of the place on the skin; None as of `new_tissue`.
     region
         The part of the surface to take, None for all of it.
     spacing
         Lattice spacing in mm; None for a chosen one.
     resolution
-        Length in mm down to which the edges of a region are divided; None for the thickness, or where that is a
-        function for 2 mm.
+        Length in mm down to which the edges of a region are divided; None for the thickness, or where that is no number
+        for 2 mm.
     name
         What messages call the mesh.
     report
         What was noted before.
+    texture
+        As of `new_tissue`.
 
     Returns
     -------
@@ -143,6 +153,9 @@ def tissue_of_mesh(
     '3 mm'
     """
     _refuse_lengths(name, None if callable(thickness) else thickness, spacing, resolution, region)
+    keep = texture == "mesh"
+    if keep and mesh.uv is None:
+        raise refused(ProblemCode.MESH_NO_TEXTURE, name)
     report = report or MeshReport()
     for repair in (weld, separate, orient):
         mesh, notes = repair(mesh)
@@ -155,17 +168,18 @@ def tissue_of_mesh(
         elif closed:
             raise refused(ProblemCode.SHEET_OF_CLOSED_SURFACE, name, _text(thickness))
         else:
-            tissue, notes = open_mesh_tissue(mesh, thickness, spacing, name)
+            tissue, notes = open_mesh_tissue(mesh, thickness, spacing, name, keep_texture=keep)
         return tissue, report.with_notes(notes)
     if thickness is None:
         if isinstance(region, (Sphere, Box)) and closed:
             tissue, notes = closed_mesh_tissue(mesh, spacing, name, region)
             return tissue, report.with_notes(notes)
-        raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
-    edge = resolution or (2.0 if callable(thickness) else thickness)
+        if isinstance(region, (Sphere, Box)):
+            raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
+    edge = resolution or (_EDGE if thickness is None or callable(thickness) else thickness)
     field, notes = surgical_field(mesh, region, edge, name)
     around = Surroundings.of(mesh.points, mesh.triangles, field.points)
-    tissue, more = open_mesh_tissue(field, thickness, spacing, name, around)
+    tissue, more = open_mesh_tissue(field, thickness, spacing, name, around, keep)
     return tissue, report.with_notes([*notes, *more])
 
 
