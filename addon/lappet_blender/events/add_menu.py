@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..tissue.model_operators import VIEW3D_MT_lappet_model
 from .flap_operators import VIEW3D_MT_lappet_flap
 
 
@@ -9,6 +10,7 @@ class VIEW3D_MT_lappet_add(bpy.types.Menu):
     bl_label = "Lappet"
 
     def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.menu(VIEW3D_MT_lappet_model.__name__)
         self.layout.menu(VIEW3D_MT_lappet_flap.__name__)
 
 

@@ -28,6 +28,7 @@ if hasattr(bpy.utils, "expose_bundled_modules"):
 from lappet.procedure import VESSEL_KINDS
 
 from ..look.hook_steel import HookSteel
+from ..look.scenery import add_scenery
 from ..look.section_plane import SectionPlane
 from ..look.skin_import import Bed, SkinObject
 from ..look.skin_marks import SkinMarks
@@ -38,6 +39,7 @@ from ..look.skin_material import (
     edge_material,
     ink_material,
     lumen_material,
+    mucosa_material,
     rim_material,
     skin_material,
     steel_material,
@@ -67,7 +69,7 @@ from .figure_scene import (
 )
 from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
-from .framing import VIEWS, SurgicalField, Viewpoint, surgical_field, viewpoint
+from .framing import VIEWS, SurgicalField, Viewpoint, surgical_field, viewpoint, widened
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
 from .section_cut import BeforePlane, SectionDiscs, SectionFace, TubePart, TubesBefore
@@ -148,7 +150,7 @@ class Plate:
             skin_material(request.color, pixel, self._highest, opacity=opacity),
             wall_material(cache.layers, opacity=opacity),
             underside_material(cache.layers),
-            rim_material(cache.layers),
+            mucosa_material() if cache.scenery else rim_material(cache.layers),
         ]
         skin, bed = SkinObject(cache, materials, scalar), Bed(cache, bed_material())
         plane = request.section
@@ -169,7 +171,10 @@ class Plate:
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)
         )
+        for mesh in cache.scenery:
+            lowest = min(lowest, float((mesh.points @ field.normal).min()))
         studio = figure_studio()
+        add_scenery(cache.scenery, studio.collection, pixel)
         add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
         add_lights(field, studio)
         add_camera(view, studio)
@@ -219,7 +224,7 @@ def draw_figures(
     steps = _steps(cache, request, surgical_field(cache, stills).normal, len(hidden)) if request.filmstrip else []
     movie = cache.frames if request.animation != "none" else ()
     shown = tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]}))
-    field = surgical_field(cache, shown)
+    field = _field(cache, shown)
     _make_folder(request.out)
     plate = Plate(cache, field, request, shown, hidden)
     total = len(stills) + len(steps) + bool(steps) + len(movie) + (request.animation == "mp4")
@@ -251,6 +256,15 @@ def draw_figures(
     if movie:
         _draw_animation(plate, request, movie, cache.fps, done, note)
     return written
+
+
+def _field(cache: SkinCache, frames: tuple[float, ...]) -> SurgicalField:
+    """The field of a picture; on a body that is shown, with what is around it."""
+    field = surgical_field(cache, frames)
+    if not cache.scenery:
+        return field
+    epoch = cache.epochs[0]
+    return widened(field, cache.rest(epoch)[np.unique(epoch.triangles)].astype(np.float64))
 
 
 def _draw_animation(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ TURN = 9.0
 MARGIN = 9.0
 # Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
 FIELD_FILL = (0.64, 0.78)
+WIDEST = 3.5  # times the field: so much of the body around it a picture shows at most
 WHOLE_FILL = (0.94, 0.94)
 
 
@@ -26,7 +27,7 @@ class SurgicalField:
     """What the picture must show.
 
     points: (k, 3) mm. right, up, normal: unit vectors (3,), up along the skin. fill: the shares of the picture's width
-    and height that the points may take up.
+    and height that the points may take up. context: how much larger than the field what is shown around it is.
     """
 
     points: NDArray[np.float64]
@@ -35,11 +36,12 @@ class SurgicalField:
     up: NDArray[np.float64]
     normal: NDArray[np.float64]
     fill: tuple[float, float]
+    context: float = 1.0
 
     @property
     def extent(self) -> float:
         """Diagonal of the field with a margin around it, mm: what lights and backdrop are measured by."""
-        return float(np.linalg.norm(np.ptp(self.points, axis=0) + 2 * MARGIN))
+        return self.context * float(np.linalg.norm(np.ptp(self.points, axis=0) + 2 * MARGIN))
 
     @property
     def stitch_scale(self) -> float:
@@ -71,6 +73,20 @@ def surgical_field(cache: SkinSource, frames: tuple[float, ...]) -> SurgicalFiel
     epoch = cache.epoch_at(frames[0])
     points = cache.positions(epoch, frames[0]).astype(np.float64)
     return field_around(np.concatenate(found), points, epoch.triangles[epoch.origin == SKIN], everything)
+
+
+def widened(field: SurgicalField, tissue: NDArray[np.float64]) -> SurgicalField:
+    """A field on a body that is shown: as much around it as the tissue reaches, with the body's top up.
+
+    tissue: (k, 3) mm.
+    """
+    own = float(np.linalg.norm(np.ptp(field.points, axis=0) + 2 * MARGIN))
+    context = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / own, 1.0, WIDEST))
+    seed = np.array([0.0, 0.0, 1.0]) if abs(field.normal[2]) < 0.8 else np.array([0.0, 1.0, 0.0])
+    up = seed - (seed @ field.normal) * field.normal
+    up /= np.linalg.norm(up)
+    fill = (field.fill[0] / context, field.fill[1] / context)
+    return replace(field, up=up, right=np.cross(up, field.normal), fill=fill, context=context)
 
 
 def field_around(

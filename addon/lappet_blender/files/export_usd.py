@@ -18,6 +18,7 @@ from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, write_procedure
 
 from ..model.scene_procedure import read_scene
+from ..model.scenery_values import scenery_values
 from ..solving import reconcile
 from ..solving.solve_settings import frame_store, solve_settings
 from .bundled_pxr import bundled_pxr
@@ -37,7 +38,7 @@ def write_scene(scene: bpy.types.Scene, path: Path) -> None:
     Raises RefusedError where it cannot be written as USD, OSError where the file system refuses.
     """
     bundled_pxr()
-    write_procedure(procedure_of(scene), path)
+    write_procedure(replace(procedure_of(scene), scenery=scenery_values(scene)), path)
 
 
 def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
@@ -55,7 +56,7 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     keys = frame_keys(program, reconcile.identity())
     frames = _stored(program, keys, frame_store(scene))
     beside = path.with_suffix(".procedure.usda")
-    write_procedure(procedure, beside)
+    write_procedure(replace(procedure, scenery=scenery_values(scene)), beside)
     write_skin_cache(path, beside, procedure, program, frames, keys[-1])
     return beside
 

@@ -19,6 +19,7 @@ from .skin_source import SCALARS
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
+MUCOSA = (0.62, 0.27, 0.24, 1.0)
 BED = (0.47, 0.115, 0.10, 1.0)
 EDGE = (0.30, 0.045, 0.04, 1.0)
 VIOLET = (0.115, 0.045, 0.26, 1.0)
@@ -230,6 +231,17 @@ def rim_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Mater
     material = nodes.finish(pale, Roughness=0.6)
     material.diffuse_color = _first_color(layers)
     return material
+
+
+def mucosa_material(space: Space = FIGURE) -> bpy.types.Material:
+    """A free border of the tissue, such as the edge of a lid or a lip: moist and red, no cut."""
+    nodes = _Nodes("Mucosa", space)
+    return nodes.finish(MUCOSA, Roughness=0.3)
+
+
+def plain_material(name: str, color: tuple[float, float, float, float], roughness: float) -> bpy.types.Material:
+    """A material of one color."""
+    return _Nodes(name).finish(color, Roughness=roughness)
 
 
 def underside_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Material:

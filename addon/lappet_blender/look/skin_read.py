@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lappet.anatomy.tissue_kind import KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
 
+from .scenery_read import SceneryMesh, read_scenery
 from .skin_fields import depth_below_skin
 from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 
@@ -49,6 +50,7 @@ class SkinCache:
         if not self.frames:
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
         self.events = self._events()
+        self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
 
     def epoch_at(self, time: float) -> SkinEpoch:
         """The epoch that is shown at a frame; raises FigureError where the cache has no such frame."""

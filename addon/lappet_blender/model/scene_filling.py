@@ -19,13 +19,15 @@ from .kept_values import KEPT_EVENTS, keep
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
+from .scenery_values import claim_scenery, make_scenery
 from .skin_line_values import set_skin_line
 from .vessel_values import set_vessel
 
 
 def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[Problem]:
-    """Put the procedure's tissue, bones, materials, timeline and events into the scene in place of what it had.
+    """Put the procedure's tissue, bones, scenery, materials, timeline and events into the scene.
 
+    They take the place of what it had.
     Objects are linked to `collection`; the scene keeps its unit. Objects of the procedure before stay in the scene, but
     no part of it. Returns a note of everything that a scene cannot hold. Raises RefusedError, with the
     scene as it was, for meshes that Blender cannot hold.
@@ -36,6 +38,7 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
         skin = mesh_object(scene, collection, "Tissue", *_polygons(tissue), uv=tissue.uv, groups=tissue.subsets)
         made.append(skin)
         made += [mesh_object(scene, collection, bone.name, *_polygons(bone)) for bone in procedure.bones]
+        scenery = make_scenery(scene, collection, procedure)
     except BaseException:
         for obj in made:
             bpy.data.meshes.remove(obj.data)
@@ -43,6 +46,7 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
     notes = _timeline(scene, procedure)
     _clear(scene)
     _tissue(scene, tissue, skin)
+    claim_scenery(scene, procedure, scenery)
     for bone, obj in zip(procedure.bones, made[1:], strict=True):
         entry = scene.lappet.bones.add()
         entry.name, entry.object = bone.name, obj

@@ -24,6 +24,7 @@ from lappet.commands.refusals import sentences
 @click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin.")
 @click.option("--outline", type=FILE, help="Take the skin inside an outline: a JSON list of points [x, y, z] in mm.")
 @click.option("--resolution", type=float, help="Divide edges of a region down to this, in mm; as the thickness.")
+@click.option("--picture", type=FILE, help="Draw the mesh with the part that was taken to a PNG file.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @reading_options
@@ -36,6 +37,7 @@ def new(
     at: tuple[float, float, float] | None,
     radius: float | None,
     outline: Path | None,
+    picture: Path | None,
     sphere: tuple[float, ...] | None,
     box: tuple[float, ...] | None,
     position: tuple[float, float, float] | None,
@@ -47,7 +49,11 @@ def new(
         from lappet.commands.report_table import print_report
         from lappet.core.problem import refused
         from lappet.core.problem_code import ProblemCode
+        from lappet.output.mesh_picture import mesh_picture
+        from lappet.output.png_writer import write_png
         from lappet.procedure import Procedure
+        from lappet.tissue.mesh_file import read_mesh
+        from lappet.tissue.mesh_repair import weld
         from lappet.tissue.outline_file import read_outline
         from lappet.tissue.tissue_from_mesh import new_tissue
         from lappet.usd.stage import write_procedure
@@ -65,3 +71,7 @@ def new(
         write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
         print_report(report)
         click.echo(f"Written: {output}")
+        if picture is not None:
+            mesh_as_read = read_mesh(mesh, options["units"], options["limits"])[0]
+            write_png(mesh_picture(weld(mesh_as_read)[0], tissue), picture)
+            click.echo(f"Written: {picture}")

@@ -467,6 +467,7 @@ class ProblemCode(StrEnum):
     MODEL_TARGET_UNKNOWN = auto()
     MODEL_TARGET_TEXT = auto()
     MODEL_NO_BODY = auto()
+    MODEL_SCENE_TAKEN = auto()
     SCENERY_KIND = auto()
 
     # texts/usd.toml

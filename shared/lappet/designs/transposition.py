@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.designs.flap_design import Carry, Edge, FlapDesign
+from lappet.designs.geodesic_drape import GeodesicDrape
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
 
@@ -17,6 +18,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 # of chords, drifts from the skin's normal at most, or the bite would be in the other wall. Measured on the examples:
 # less than 0.03.
 DRIFT = 0.05
+INSET = 2.0  # mm of skin that stays on its bed beside the tissue's border
 SHORT = 0.6  # of the distance between two sutures: a seam with less room than this between its margins gets one suture
 
 Way = Callable[[float], NDArray[np.float64]]  # from a share of the way to a point in mm, shape (3,)
@@ -126,6 +128,8 @@ def flap_operation(
     skin: SkinSheet,
     when: Schedule = Schedule(),
     how: Technique = Technique(),
+    *,
+    draped: bool = False,
 ) -> tuple[Event, ...]:
     """Plan the operation of a flap design, with the landmarks to judge it by.
 
@@ -143,6 +147,8 @@ def flap_operation(
         Time codes of the steps.
     how
         Distances and stiffness.
+    draped
+        Whether the line of undermining is laid by geodesics, and inside the skin's border.
 
     Returns
     -------
@@ -156,14 +162,14 @@ def flap_operation(
             for k, curve in enumerate(design.incisions)
         ),
         *([Excision("excision", when.excise, tuple(cut.seed for cut in design.excised))] if design.excised else []),
-        Undermine("undermining", when.undermine, outline(design, skin, how.beyond)),
+        Undermine("undermining", when.undermine, outline(design, skin, how.beyond, draped=draped)),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *sutures(design, skin, when, how),
         *landmarks(design, skin, how),
     )
 
 
-def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
+def outline(design: FlapDesign, skin: SkinSheet, beyond: float, *, draped: bool = False) -> tuple[Point, ...]:
     """Draw a convex line around all cuts of a design.
 
     Parameters
@@ -174,6 +180,8 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
         The skin on which the line lies.
     beyond
         Distance of the line from the cuts in mm.
+    draped
+        Whether the line is laid by geodesics from the middle of the cuts, and `INSET` inside the skin's border.
 
     Returns
     -------
@@ -194,7 +202,10 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
     turn = 2.0 * np.pi * np.arange(48) / 48
     rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     around = flat[(flat @ rays.T).argmax(axis=0)] + beyond * rays
-    return tuple(skin.below(point, 0.0) for point in middle[0] + around @ axes)
+    plane = middle[0] + around @ axes
+    if draped:
+        plane = GeodesicDrape(skin, middle[0]).within(plane, INSET)
+    return tuple(skin.below(point, 0.0) for point in plane)
 
 
 def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) -> Hook:

@@ -4,7 +4,7 @@ Notation: U, the layout, (n, 2); J, the 2 x 2 gradient of U over a triangle laid
 is Tutte's embedding (1963): the longest border becomes a circle, holes are closed by a vertex each, and every other
 vertex is a mean of its neighbors, which turns none over. From there the symmetric Dirichlet energy
 
-    E = sum of A (|J|² + |J⁻¹|²)
+    E = sum of A (‖J‖² + ‖J⁻¹‖²)
 
 is lowered. It is least where lengths are kept and infinite where a triangle is turned over; steps end before the first
 one is (Smith and Schaefer 2015). The steps are those of L-BFGS with the patch's Laplacian as the first Hessian.
@@ -170,7 +170,7 @@ class _Energy:
         if not (determinant > 0.0).all():
             return np.inf, np.zeros_like(layout)
         squared = np.einsum("mij,mij->m", jacobian, jacobian)
-        # |J⁻¹|² = |J|² / det², whose derivative follows by that of det, the cofactors.
+        # ‖J⁻¹‖² = ‖J‖² / det², whose derivative follows by that of det, the cofactors.
         cofactor = np.empty_like(jacobian)
         cofactor[:, 0, 0], cofactor[:, 1, 1] = jacobian[:, 1, 1], jacobian[:, 0, 0]
         cofactor[:, 0, 1], cofactor[:, 1, 0] = -jacobian[:, 1, 0], -jacobian[:, 0, 1]

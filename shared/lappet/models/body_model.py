@@ -18,7 +18,7 @@ from lappet.tissue.bed import BEDS
 from lappet.tissue.presets import FAT, PRESETS, skin_over_fat
 from lappet.tissue.uniaxial import prestretch_for
 
-_DIGITS = 4  # of a prestretch
+_DIGITS = 4  # of a prestretch and a bed's stiffness
 
 
 def body_model(model: Model, choice: ModelChoice) -> Procedure:
@@ -50,7 +50,7 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     tissue = model_sheet(skin, around, thickness + model.fat.mm, spacing, model.name)
     bed = BEDS[model.bed]
     procedure = Procedure(
-        replace(tissue, bed_stiffness=bed.normal, bed_shear=bed.shear),
+        replace(tissue, bed_stiffness=round(bed.normal, _DIGITS), bed_shear=round(bed.shear, _DIGITS)),
         events=tuple(place.event() for place in landmarks_on(skin, model.region)),
         skin_lines=lines_on(skin, model.region, model.lines),
         scenery=body_scenery(shape, model) if choice.scenery else (),
