@@ -27,7 +27,7 @@ lappet models new cheek -o cheek.usda --excision      # with a first operation: 
 
 In Blender: *Add > Lappet > Model*. It never downloads anything; fetch the package on the command line first.
 
-![The models, each in its surroundings; pink is tissue, lines are skin lines](images/models.png)
+![The models, each in its surroundings; the printed grid lies on the tissue](images/models.png)
 
 ## What a model is
 
@@ -43,6 +43,8 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
 - **Skin lines** are relaxed skin tension lines, drawn by hand after Borges. `--laxity 0` puts the skin under the
   tension of its preset along them, 1 (the default) under none; at the edges of lids and lips it vanishes.
 - **Landmarks** have their anatomical names, paired ones with `_left` and `_right`.
+- **Subunits** of the face are groups of skin faces, `subunit_nasal_tip`, `subunit_ala_left` and so on: the units of
+  Gonzalez-Ulloa, for the nose those of Burget and Menick, with borders placed by hand.
 - **Scenery** (`/Procedure/Scenery`) is the rest of the body around the tissue, with eyes and teeth: shown, not
   solved. `--no-scenery` leaves it out.
 - **Shape**: age, sex and weight mix the package's own targets as MakeHuman does, all other targets are added in the

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import cast
@@ -11,7 +12,7 @@ import pytest
 
 import synthetic_skin_cache as synthetic
 from lappet_blender.figure.figure_steps import hook_height, story_steps
-from lappet_blender.figure.framing import FIELD_FILL, surgical_field, viewpoint
+from lappet_blender.figure.framing import FIELD_FILL, WIDEST, surgical_field, viewpoint, widened
 from lappet_blender.look.dashed_line import DASH, GAP, dashes
 from lappet_blender.look.hook_path import ELEVATION, hook_directions, hook_path
 from lappet_blender.look.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
@@ -228,3 +229,18 @@ def test_a_flap_on_the_side_of_a_head_is_lifted_most_where_it_stands_out_most_fr
     hook, closing = StepEvent("Hook", "tip", 6, 14), StepEvent("Suture", "corner", 12, 16)
     steps = story_steps([StepEvent("Incision", "limb", 2, 2), hook, closing], [float(t) for t in range(1, 18)], height)
     assert [step.frame for step in steps if step.caption == "Lifted with hooks"] == [9.0]
+
+
+def test_a_body_around_a_wound_is_shown_with_its_top_up_and_the_wound_stays_in_sight(cache: SkinCache) -> None:
+    field = surgical_field(cache, cache.frames)
+    own = float(np.linalg.norm(np.ptp(field.points, axis=0)))
+    on_side = replace(field, normal=np.array([1.0, 0.0, 0.0]))
+    tissue = np.array([[0.0, 0.0, 0.0], [0.0, 2.0 * own, 0.0]])
+    wide = widened(on_side, tissue)
+    np.testing.assert_allclose(wide.up, (0.0, 0.0, 1.0), atol=1e-12)
+    np.testing.assert_allclose(np.cross(wide.up, wide.normal), wide.right, atol=1e-12)
+    assert wide.context == pytest.approx(2.0)
+    assert wide.fill == pytest.approx((FIELD_FILL[0] / 2.0, FIELD_FILL[1] / 2.0))
+    assert widened(field, 100.0 * tissue).context == WIDEST
+    assert widened(field, 0.1 * tissue).context == 1.0
+    np.testing.assert_allclose(widened(field, tissue).up, (0.0, 1.0, 0.0), atol=1e-12)  # seen from above

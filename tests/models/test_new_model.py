@@ -124,3 +124,19 @@ def test_a_choice_that_makes_no_sense_is_refused(name: str, choice: ModelChoice,
     with pytest.raises(RefusedError) as refused:
         new_model(name, choice)
     assert refused.value.problems[0].code == code
+
+
+def test_the_nose_has_its_subunits_each_on_its_own_skin() -> None:
+    tissue = made("nose").tissue
+    units = {name: faces for name, faces in tissue.subsets.items() if name.startswith("subunit_")}
+    wanted = ("nasal_tip", "nasal_dorsum", "ala_left", "ala_right", "nasal_sidewall_left", "columella")
+    assert {f"subunit_{name}" for name in wanted} <= set(units)
+    together = np.concatenate(list(units.values()))
+    assert len(np.unique(together)) == len(together)
+    assert not np.intersect1d(together, np.concatenate([tissue.subsets["rim"], tissue.subsets["underside"]])).size
+    tip = next(event.points[0] for event in made("nose").events if event.name == "pronasale")
+    middles = tissue.points[tissue.face_vertex_indices.reshape(-1, 3)].mean(axis=1)
+    at = int(np.linalg.norm(middles - tip, axis=1).argmin())
+    assert at in units["subunit_nasal_tip"]
+    left, right = (middles[units[f"subunit_ala_{side}"]].mean(axis=0) for side in ("left", "right"))
+    assert left[0] < -12.0 < 12.0 < right[0]

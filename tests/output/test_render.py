@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shlex
@@ -262,3 +263,11 @@ def test_an_interrupt_ends_the_figure_process_and_keeps_what_is_done(
     assert done.exists()
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
+
+
+def test_a_section_needs_a_normal(tmp_path: Path) -> None:
+    cache = tmp_path / "c.usdc"
+    cache.write_bytes(b"")
+    for section in ((0.0,) * 6, (0.0, 0.0, 0.0, math.inf, 0.0, 1.0), (0.0, 0.0, 1.0)):
+        with refuses(ProblemCode.RENDER_RANGE, "section"):
+            render_cache(cache, tmp_path / "out", section=section)

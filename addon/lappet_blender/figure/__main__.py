@@ -12,11 +12,11 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import Any, Protocol
+from typing import Protocol
 
 import bpy
 import numpy as np
@@ -29,6 +29,7 @@ from lappet.procedure import VESSEL_KINDS
 
 from ..look.hook_steel import HookSteel
 from ..look.scenery import add_scenery
+from ..look.section_plane import SectionPlane
 from ..look.skin_import import Bed, SkinObject
 from ..look.skin_marks import SkinMarks
 from ..look.skin_material import (
@@ -68,9 +69,10 @@ from .figure_scene import (
 )
 from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
-from .framing import VIEWS, SurgicalField, surgical_field, viewpoint, widened
+from .framing import VIEWS, SurgicalField, Viewpoint, surgical_field, viewpoint, widened
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
+from .section_cut import BeforePlane, SectionDiscs, SectionFace, TubePart, TubesBefore
 
 Report = Callable[[Path, int, int], None]
 COLORS = ("plain", "grid", *SCALARS)
@@ -82,7 +84,7 @@ class FigureRequest:
 
     frames: stills to write, None: the last. size: of stills; panel: of filmstrip panels; movie: of an animation; in
     pixels. samples, movie_samples: Cycles samples a pixel of stills and panels, and of an animation.
-    translucent: whether vessels show through the skin.
+    translucent: whether vessels show through the skin. section: a plane beyond which everything is taken away.
     """
 
     cache: Path
@@ -100,13 +102,10 @@ class FigureRequest:
     color: str = "grid"
     threads: int = 0
     translucent: bool = False
+    section: SectionPlane | None = None
 
 
-class TubePart(Protocol):
-    """Something that is drawn as tubes."""
-
-    def tubes(self, time: float) -> tuple[Sequence[Any], Sequence[Any]]:
-        """Lines (k, 3) and radii of a frame, mm."""
+Tubes = tuple[str, TubePart, bpy.types.Material, int]
 
 
 class ScenePart(Protocol):
@@ -153,21 +152,22 @@ class Plate:
             underside_material(cache.layers),
             mucosa_material() if cache.scenery else rim_material(cache.layers),
         ]
-        self._skin = SkinObject(cache, materials, scalar)
-        right = view.axes[0] - (view.axes[0] @ field.normal) * field.normal
-        right /= np.linalg.norm(right)
-        seen = np.stack([right, np.cross(field.normal, right), field.normal])
-        scale = field.stitch_scale
-        self._parts: tuple[ScenePart, ...] = (
-            self._skin,
-            Bed(cache, bed_material()),
-            Drawn("Wound edge", WoundEdge(cache), edge_material(), 6),
-            Drawn("Marks", SkinMarks(cache), ink_material(), 6),
-            Drawn("Sutures", SutureThread(cache, 1.0 * seen[0] + 0.6 * seen[1], scale, hidden), thread_material(), 8),
-            *(Drawn(f"Vessels: {kind}", VesselTubes(cache, kind), vessel_material(kind), 20) for kind in VESSEL_KINDS),
-            Drawn("Vessels: lumen", VesselTubes(cache, "", lumen=True), lumen_material(), 20),
-            Drawn("Hooks", HookSteel(cache, seen, field.center, scale), steel_material(), 16),
-        )
+        skin, bed = SkinObject(cache, materials, scalar), Bed(cache, bed_material())
+        plane = request.section
+        tubes = self._tubes(view, field, hidden)
+        if plane is None:
+            solid: tuple[ScenePart, ...] = (skin, bed)
+        else:
+            cut = SectionFace(cache, plane, wall_material(cache.layers))
+            solid = (BeforePlane(skin, "Skin", plane), BeforePlane(bed, "Bed", plane), cut)
+            tubes = [
+                (name, TubesBefore(part, plane, isinstance(part, VesselTubes)), material, sides)
+                for name, part, material, sides in tubes
+            ]
+            for kind in VESSEL_KINDS:
+                tubes.append((f"Section: {kind}", SectionDiscs(cache, plane, kind), vessel_material(kind), 24))
+            tubes.append(("Section: lumen", SectionDiscs(cache, plane, "", lumen=True), lumen_material(), 24))
+        self._parts = (*solid, *(Drawn(*each) for each in tubes))
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)
         )
@@ -179,6 +179,22 @@ class Plate:
         add_lights(field, studio)
         add_camera(view, studio)
         set_render(studio.scene, request.engine, request.threads)
+
+    def _tubes(self, view: Viewpoint, field: SurgicalField, hidden: frozenset[int]) -> list[Tubes]:
+        """What is drawn as tubes: name, part, material, sides."""
+        cache, scale = self._cache, field.stitch_scale
+        right = view.axes[0] - (view.axes[0] @ field.normal) * field.normal
+        right /= np.linalg.norm(right)
+        seen = np.stack([right, np.cross(field.normal, right), field.normal])
+        threads = SutureThread(cache, 1.0 * seen[0] + 0.6 * seen[1], scale, hidden)
+        return [
+            ("Wound edge", WoundEdge(cache), edge_material(), 6),
+            ("Marks", SkinMarks(cache), ink_material(), 6),
+            ("Sutures", threads, thread_material(), 8),
+            *((f"Vessels: {kind}", VesselTubes(cache, kind), vessel_material(kind), 20) for kind in VESSEL_KINDS),
+            ("Vessels: lumen", VesselTubes(cache, "", lumen=True), lumen_material(), 20),
+            ("Hooks", HookSteel(cache, seen, field.center, scale), steel_material(), 16),
+        ]
 
     def render(self, time: float, size: tuple[int, int], samples: int, path: Path) -> None:
         """Write a PNG of a frame."""
@@ -314,6 +330,13 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
+def _section(text: str) -> SectionPlane:
+    try:
+        return SectionPlane.of([float(part) for part in text.split(",")])
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a section: {error}") from error
+
+
 def _frames(text: str) -> tuple[float, ...]:
     try:
         return tuple(float(part) for part in text.split(","))
@@ -340,6 +363,7 @@ def parse_request(arguments: list[str] | None = None) -> FigureRequest:
     parser.add_argument("--view", choices=tuple(VIEWS), default="oblique")
     parser.add_argument("--color", choices=COLORS, default="grid")
     parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--section", type=_section)
     parser.add_argument("--translucent", action=argparse.BooleanOptionalAction, default=False)
     values = vars(parser.parse_args(arguments))
     width, height = values["size"]

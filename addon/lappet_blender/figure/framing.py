@@ -15,10 +15,12 @@ from ..look.skin_source import SkinSource
 
 VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0
+AROUND_WHOLE = 1.6  # times the tissue, where there is no wound
+LEANING = 0.4  # of the angle to the normal: so much of it where a body is shown, which is known from the front
 MARGIN = 9.0
 # Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
 FIELD_FILL = (0.64, 0.78)
-WIDEST = 3.5  # times the field: so much of the body around it a picture shows at most
+WIDEST = 5.0  # times the field: so much of the body around it a picture shows at most
 WHOLE_FILL = (0.94, 0.94)
 
 
@@ -80,8 +82,9 @@ def widened(field: SurgicalField, tissue: NDArray[np.float64]) -> SurgicalField:
 
     tissue: (k, 3) mm.
     """
-    own = float(np.linalg.norm(np.ptp(field.points, axis=0) + 2 * MARGIN))
-    context = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / own, 1.0, WIDEST))
+    own = float(np.linalg.norm(np.ptp(field.points, axis=0)))
+    least = AROUND_WHOLE if field.fill == WHOLE_FILL else 1.0
+    context = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / max(own, 1.0), least, WIDEST))
     seed = np.array([0.0, 0.0, 1.0]) if abs(field.normal[2]) < 0.8 else np.array([0.0, 1.0, 0.0])
     up = seed - (seed @ field.normal) * field.normal
     up /= np.linalg.norm(up)
@@ -126,7 +129,8 @@ def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float],
     view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view. turned: degrees to
     the right, but for a view from above.
     """
-    elevation = np.radians(VIEWS[view])
+    steep = VIEWS[view] if field.context == 1.0 else 90.0 - LEANING * (90.0 - VIEWS[view])
+    elevation = np.radians(steep)
     # An oblique plate looks from below right of the field, so that both lips of a wound show.
     turn = 0.0 if view == "top" else np.radians(turned)
     ground = -np.cos(turn) * field.up + np.sin(turn) * field.right

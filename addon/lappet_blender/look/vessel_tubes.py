@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .skin_source import SkinSource
 
 STUMP = 0.35  # mm, how far a cut end stands out
-_LUMEN = 0.55  # of the radius
+LUMEN = 0.55  # of the radius
 _DEEP = 0.1  # mm
 HOLLOW = ("artery", "vein", "lymphatic")
 Tubes = tuple[list[NDArray[np.float64]], list[float]]
@@ -33,7 +33,7 @@ class VesselTubes:
             ends = [stump(line.points, at_end) for at_end, cut in zip((False, True), line.divided, strict=True) if cut]
             if self._lumen:
                 lines += [np.stack([end - _DEEP * way, end + 0.02 * way]) for end, way in ends]
-                radii += [_LUMEN * line.radius] * len(ends)
+                radii += [LUMEN * line.radius] * len(ends)
                 continue
             before = [stump(line.points, False)[0][None]] if line.divided[0] else []
             after = [stump(line.points, True)[0][None]] if line.divided[1] else []

@@ -100,7 +100,8 @@ class SurfaceLayers:
     Parameters
     ----------
     depth
-        Depth of each vertex below the skin before any cut in mm, shape (n,), float32; 0 on the skin.
+        Depth of each vertex below the skin before any cut in mm, shape (n,), float32; 0 on the skin, and on the
+        underside of tissue of one layer, where nobody asks for it.
     column
         Column of each triangle, shape (m,), int32.
     """
@@ -171,14 +172,16 @@ class LayerSearch:
         """
         depth = np.zeros(len(surface.points), np.float32)
         column = np.zeros(len(surface.triangles), np.int32)
-        faces = np.flatnonzero(surface.origin != FaceOrigin.SKIN)
+        one = self.layers.columns == 1 and self.layers.deepest_border == 0.0
+        shown = (FaceOrigin.WOUND_WALL, FaceOrigin.RIM, *(() if one else (FaceOrigin.UNDERSIDE,)))
+        faces = np.flatnonzero(np.isin(surface.origin, shown))
         if self._skin is None or not len(faces):
             return SurfaceLayers(depth, column)
         inner = np.setdiff1d(surface.triangles[faces], surface.triangles[surface.origin == FaceOrigin.SKIN])
         depth[inner] = self._skin.query(surface.points[inner])[2]
         if self.layers.columns > 1:
-            middles = surface.points[surface.triangles[faces]].mean(axis=1)
-            column[faces] = self._column[self._skin.query(middles)[0]]
+            middles = surface.points[surface.triangles].mean(axis=1)
+            column[:] = self._column[self._skin.query(middles)[0]]
         return SurfaceLayers(depth, column)
 
 

@@ -33,7 +33,7 @@ class EpochShape:
     grid
         Texture coordinates per corner in mm along the skin, shape (m, 3, 2), float32.
     depth
-        Depth below the skin before any cut in mm, shape (n,), float32; 0 on the skin.
+        Depth below the skin before any cut in mm, shape (n,), float32: `lappet.anatomy.tissue_layers.SurfaceLayers`.
     face
         Face of the tissue's mesh that each triangle lies on, -1 for wound walls, shape (m,), int32.
     column

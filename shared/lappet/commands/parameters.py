@@ -80,6 +80,39 @@ class FrameList(click.ParamType):
             self.fail(f"{value!r} is no list of frames; give time codes with commas between them.", param, ctx)
 
 
+class PlaneNumbers(click.ParamType):
+    """A plane: a point in mm and a normal, `X,Y,Z,NX,NY,NZ`."""
+
+    name = "X,Y,Z,NX,NY,NZ"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the plane.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the numbers themselves.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The six numbers as floats.
+        """
+        if isinstance(value, tuple):
+            return value
+        try:
+            numbers = tuple(float(each) for each in str(value).split(","))
+        except ValueError:
+            numbers = ()
+        if len(numbers) != 6:
+            self.fail(f"{value!r} is no plane; give a point in mm and a normal, six numbers with commas.", param, ctx)
+        return numbers
+
+
 class Position(click.ParamType):
     """How the patient lies: the name of a position, or the direction of gravity as three numbers with commas."""
 

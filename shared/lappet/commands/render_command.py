@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lappet.commands.parameters import FILE, FrameList, Size
+from lappet.commands.parameters import FILE, FrameList, PlaneNumbers, Size
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
@@ -27,6 +27,9 @@ from lappet.commands.refusals import sentences
 @click.option("--view", help="Where the camera stands.  [default: oblique]")
 @click.option("--color", help="What the skin shows.  [default: grid]")
 @click.option("--translucent/--opaque", default=False, show_default=True, help="Show vessels through the skin.")
+@click.option(
+    "--section", type=PlaneNumbers(), help="Take away what lies beyond a plane: a point in mm and its normal."
+)
 @click.option("--engine", help="Blender's renderer.  [default: cycles]")
 @reading_options
 @click.pass_context

@@ -12,6 +12,7 @@ from lappet.models.model import Model
 from lappet.models.model_choice import SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
 from lappet.models.model_sheet import model_sheet
 from lappet.models.skin_line_plans import lines_on
+from lappet.models.subunits import subunits
 from lappet.models.trial_excision import with_excision
 from lappet.procedure import Material, Procedure
 from lappet.tissue.bed import BEDS
@@ -48,6 +49,8 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     around = body_surface(shape, model.surround, model.subdivision)
     skin = around.inside(model.region)
     tissue = model_sheet(skin, around, thickness + model.fat.mm, spacing, model.name)
+    if model.face:  # the skin's triangles are the tissue's first
+        tissue = replace(tissue, subsets={**tissue.subsets, **subunits(skin)})
     bed = BEDS[model.bed]
     procedure = Procedure(
         replace(tissue, bed_stiffness=round(bed.normal, _DIGITS), bed_shear=round(bed.shear, _DIGITS)),

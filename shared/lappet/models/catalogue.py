@@ -25,6 +25,7 @@ _HEAD_MODELS = (
         ("forehead", "glabella", "eyes", "nose", "cheeks", "lips", "chin"),
         Trial((-62.0, 95.0, 690.0), (0.25, 0.0, 1.0), 30.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "nose",
@@ -39,6 +40,7 @@ _HEAD_MODELS = (
         ("glabella", "nose", "cheeks", "lips"),
         Trial((-3.0, 152.0, 713.0), (-1.0, 0.0, 0.15), 12.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "lips",
@@ -53,6 +55,7 @@ _HEAD_MODELS = (
         ("lips", "chin", "cheeks"),
         Trial((-20.0, 141.0, 655.0), (0.25, 0.0, 1.0), 12.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "eyelids",
@@ -67,6 +70,7 @@ _HEAD_MODELS = (
         ("eyes", "forehead", "cheeks", "glabella"),
         Trial((-33.0, 136.0, 743.5), (-1.0, 0.0, 0.0), 18.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "forehead",
@@ -81,6 +85,7 @@ _HEAD_MODELS = (
         ("forehead", "glabella"),
         Trial((-15.0, 138.0, 785.0), (-1.0, 0.0, 0.0), 30.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "cheek",
@@ -95,6 +100,7 @@ _HEAD_MODELS = (
         ("cheeks", "eyes", "nose", "lips"),
         Trial((-58.0, 108.0, 690.0), (0.3, 0.0, 1.0), 26.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "temple",
@@ -109,6 +115,7 @@ _HEAD_MODELS = (
         ("temple", "eyes", "forehead", "cheeks"),
         Trial((-70.0, 85.0, 752.0), (-0.4, -1.0, 0.3), 26.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "chin",
@@ -123,6 +130,7 @@ _HEAD_MODELS = (
         ("chin", "lips"),
         Trial((-9.0, 139.0, 641.0), (-1.0, 0.0, 0.2), 16.0),
         _HEAD,
+        face=True,
     ),
     Model(
         "ear",

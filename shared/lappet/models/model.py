@@ -78,6 +78,8 @@ class Model:
         Lowest and highest corner of what of the body is shown around it, in mm.
     female
         Whether it is a woman's unless told otherwise.
+    face
+        Whether its skin is divided into the aesthetic subunits of the face.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Model:
     trial: Trial
     surround: tuple[Point, Point]
     female: bool = False
+    face: bool = False
 
     @property
     def thickness(self) -> float:

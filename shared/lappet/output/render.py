@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import math
 import os
 import subprocess
 import sys
@@ -83,6 +84,7 @@ def render_command(
     movie: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
     translucent: bool = False,
+    section: Sequence[float] | None = None,
 ) -> list[str]:
     """Compose the command line of the figure process.
 
@@ -118,6 +120,8 @@ def render_command(
         Cycles samples per pixel of an animation.
     translucent
         Whether vessels show through the skin.
+    section
+        A point in mm and a normal: what lies beyond this plane is taken away. None for no section.
 
     Returns
     -------
@@ -154,6 +158,11 @@ def render_command(
     command += ["--movie-samples", str(movie_samples)]
     if translucent:
         command.append("--translucent")
+    if section is not None:
+        if len(section) != 6 or not all(map(math.isfinite, section)) or not any(section[3:]):
+            given, allowed = ",".join(f"{value:g}" for value in section), "a point and a normal that is not zero"
+            raise refused(ProblemCode.RENDER_RANGE, "section", given, name="section", range=allowed)
+        command.append("--section=" + ",".join(f"{float(value):.17g}" for value in section))
     for option, pixels in (("--panel", panel), ("--movie", movie)):
         if pixels is not None:
             command += [option, f"{pixels[0]}x{pixels[1]}"]
@@ -177,6 +186,7 @@ def render_cache(
     movie_size: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
     translucent: bool = False,
+    section: Sequence[float] | None = None,
     progress: Progress | None = None,
     limits: ReadLimits = DEFAULT_LIMITS,
 ) -> list[Path]:
@@ -217,6 +227,9 @@ def render_cache(
         Cycles samples per pixel of an animation, which is denoised.
     translucent
         Whether vessels show through the skin.
+    section
+        A point in mm and a normal, of the solved tissue: what lies beyond this plane is taken away, and the cut face
+        shows layers and vessels. None for no section.
     progress
         Called with a line of text for every file, and with how long an animation will take.
     limits
@@ -251,6 +264,7 @@ def render_cache(
         movie_size,
         movie_samples,
         translucent,
+        section,
     )
     with ReadingProcess(CHILD, "values", cache, limits) as look:
         look.result(ValueSizes)

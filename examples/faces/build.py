@@ -1,0 +1,54 @@
+"""Builds a flap on a face: a model of the body (`lappet models`) and a design of the flap library (`lappet flap`).
+
+The meshes are those of a package that `lappet models fetch` fetches; so the procedures are not kept here but written.
+
+Usage: python build.py cheek_limberg [cheek_limberg.usda]
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from lappet.designs.library_operation import add_flap, skin_line_direction
+from lappet.models.new_model import new_model
+from lappet.procedure import Point, Procedure
+from lappet.usd.stage import write_procedure
+
+
+class Operation(NamedTuple):
+    """A model, a design on it, where it lies (mm), its direction (None: across the skin lines), and its measures."""
+
+    model: str
+    design: str
+    at: Point
+    direction: Point | None
+    measures: dict[str, float]
+    mirrored: bool = False
+
+
+OPERATIONS = {
+    "cheek_limberg": Operation("cheek", "limberg", (-50.0, 112.0, 692.0), None, {"side": 11.0}),
+    "nose_bilobed": Operation("nose", "bilobed", (-3.0, 156.0, 705.0), (1.0, 0.0, 0.0), {"diameter": 7.0}, True),
+}
+
+
+def build(name: str, spacing: float | None = None) -> Procedure:
+    """A whole procedure; spacing: of the lattice in mm, None for the model's."""
+    operation = OPERATIONS[name]
+    start = new_model(operation.model)
+    if spacing is not None:
+        start = replace(start, tissue=replace(start.tissue, spacing=spacing))
+    direction = operation.direction or skin_line_direction(start, operation.at, across=True)
+    return add_flap(start, operation.design, operation.at, direction, operation.measures, mirrored=operation.mirrored)
+
+
+if __name__ == "__main__":
+    chosen = sys.argv[1] if len(sys.argv) > 1 else "cheek_limberg"
+    if chosen not in OPERATIONS:
+        sys.exit(f"There is no {chosen!r}; there are {', '.join(OPERATIONS)}.")
+    path = Path(sys.argv[2]) if len(sys.argv) > 2 else Path(f"{chosen}.usda")
+    write_procedure(build(chosen), path)
+    print(f"wrote {path}")

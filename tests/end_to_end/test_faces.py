@@ -1,0 +1,63 @@
+"""Flaps of the library on models of the face: each is a sound procedure, and one is solved until it is closed."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from lappet.checks.validation import check
+from lappet.models.body_package import is_fetched
+from lappet.output.report import report
+from lappet.output.solve_to_cache import solve_procedure
+from lappet.program.compile import compile_program
+from lappet.solve.store import FrameStore
+
+FACES = Path(__file__).resolve().parents[2] / "examples" / "faces"
+NAMES = ("cheek_limberg", "nose_bilobed")
+pytestmark = pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
+
+
+def script() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("build_faces", FACES / "build.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_names_tested_are_those_that_can_be_built() -> None:
+    assert tuple(script().OPERATIONS) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_operation_on_a_face_is_sound_and_has_its_picture(name: str) -> None:
+    procedure = script().build(name)
+    assert [str(each) for each in check(procedure) if each.severity == "error"] == []
+    program = compile_program(procedure)
+    assert [str(note) for note in program.notes if note.severity == "error"] == []
+    assert procedure.scenery  # the rest of the head
+    assert 20_000 < (FACES / f"{name}.jpg").stat().st_size < 500_000
+    assert f"{name}.jpg" in (FACES / "README.md").read_text(encoding="utf-8")
+
+
+def test_limbergs_flap_closes_the_defect_of_a_cheek(tmp_path: Path) -> None:
+    procedure = script().build("cheek_limberg", spacing=1.5)
+    result = solve_procedure(
+        procedure, tmp_path / "cheek.usdc", store=FrameStore(tmp_path / "store"), error_estimate=False
+    )
+    assert result.complete, result.reason
+    assert all(frame.solved.converged for frame in result.frames)
+    last = report(result)["frames"][-1]
+    marks = {name: np.array(at) for name, at in last["landmarks"].items()}
+    for corner in ("donor", "shoulder", "tip"):
+        assert np.linalg.norm(marks[f"{corner} flap"] - marks[f"{corner} wound"]) < 0.6
+    ends = [result.measures[-1].sums]
+    assert ends[0] is not None
+    assert report(result)["seams"][-1]["open_area_mm2"] < 5.0  # of a defect of 105 mm²
