@@ -55,3 +55,13 @@ def test_a_place_of_the_neutral_body_is_carried_to_the_shaped_one() -> None:
     carried, away = skin.carried(skin.neutral[picked])
     assert np.allclose(carried, skin.points[picked], atol=1e-6)
     assert np.allclose(away, 0.0, atol=1e-6)
+
+
+def test_what_is_shown_of_a_body_ends_in_a_clean_border() -> None:
+    low, high = np.array(FACE.surround)
+    skin = surface().within(FACE.surround)
+    assert (skin.neutral > low - 1e-6).all()
+    assert (skin.neutral < high + 1e-6).all()
+    border = np.concatenate([loop for loop in border_loops(skin.triangles) if perimeter(skin.points, loop) > 200.0])
+    on_box = np.minimum(np.abs(skin.neutral[border] - low), np.abs(skin.neutral[border] - high)).min(axis=1) < 1e-6
+    assert on_box.all()

@@ -19,7 +19,7 @@ from lappet.models.body_shape import NEUTRAL, BodyShape, shaped
 from lappet.models.openings import without_openings
 from lappet.models.region import Ellipsoid
 from lappet.procedure import Point
-from lappet.tissue.crop_mesh import crop
+from lappet.tissue.crop_mesh import box_levels, crop
 from lappet.tissue.mesh_file import Mesh
 
 _MARGIN = 25.0  # mm around what is asked for, so that its border is as smooth as the rest
@@ -101,6 +101,22 @@ class BodySurface:
         """
         both = np.hstack([self.neutral, self.points])
         cut = crop(Mesh(both, self.triangles), [lambda points: -region.level(points)])
+        return _compact(cut.points, cut.triangles)
+
+    def within(self, box: tuple[Point, Point]) -> BodySurface:
+        """Cut off what lies outside a box.
+
+        Parameters
+        ----------
+        box
+            Its lowest and highest corner on the neutral body in mm.
+
+        Returns
+        -------
+        BodySurface
+            The skin in the box, with a clean border.
+        """
+        cut = crop(Mesh(np.hstack([self.neutral, self.points]), self.triangles), box_levels(*box))
         return _compact(cut.points, cut.triangles)
 
 

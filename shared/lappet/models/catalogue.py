@@ -7,7 +7,7 @@ from lappet.models.region import Ellipsoid
 from lappet.models.sources import CHOSEN
 
 _HEAD = ((-130.0, -120.0, 560.0), (130.0, 190.0, 900.0))
-_TORSO = ((-190.0, -200.0, 0.0), (190.0, 260.0, 620.0))
+_TORSO = ((-250.0, -200.0, 0.0), (250.0, 260.0, 620.0))
 _HAND = ((-560.0, 120.0, 40.0), (-380.0, 360.0, 280.0))
 _LEG = ((-260.0, -120.0, -520.0), (-40.0, 160.0, 60.0))
 
@@ -140,7 +140,7 @@ _HEAD_MODELS = (
         Depth(1.2, CHOSEN, "to the perichondrium and the mastoid fascia; half of the auricle where that is less"),
         "face",
         "tight",
-        0.8,
+        1.2,
         1,
         ("cheeks", "ear"),
         Trial((-74.0, 58.0, 700.0), (0.0, 0.0, 1.0), 14.0),
