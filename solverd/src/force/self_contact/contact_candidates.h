@@ -12,7 +12,6 @@ namespace lappet {
 
 struct VertexFacePair {
   Index vertex, face;
-  double reach;  // mm
   auto operator<=>(const VertexFacePair&) const = default;
 };
 struct EdgePair {
