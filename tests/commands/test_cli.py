@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import time
@@ -262,3 +263,21 @@ def test_a_point_without_a_radius_and_a_radius_without_a_point_are_refused(
     assert done.exit_code == 1
     assert is_one_sentence(done.stderr), done.stderr
     assert "--at X Y Z --radius MM" in done.stderr
+
+
+def test_new_takes_the_skin_inside_an_outline_and_draws_it(tmp_path: Path) -> None:
+    import trimesh
+
+    trimesh.creation.icosphere(subdivisions=3, radius=80.0).export(tmp_path / "head.stl")
+    turn = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    drawn = np.stack([25.0 * np.cos(turn), 15.0 * np.sin(turn), np.full(12, 77.0)], axis=1)
+    (tmp_path / "outline.json").write_text(json.dumps(drawn.tolist()))
+    done = run(
+        *("new", tmp_path / "head.stl", "-o", tmp_path / "p.usda", "--units", "mm", "--thickness", "4"),
+        *("--outline", tmp_path / "outline.json", "--picture", tmp_path / "picture.png"),
+    )
+    assert done.exit_code == 0, done.output
+    assert "inside an outline of 12 points" in done.stdout
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+    reach = np.ptp(read_procedure(tmp_path / "p.usda").tissue.points, axis=0)
+    assert reach[:2] == pytest.approx([49.4, 30.0], abs=2.5)  # corners of the outline are rounded by triangles of 4 mm

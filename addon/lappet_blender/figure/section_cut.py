@@ -27,7 +27,7 @@ from ..look.vessel_tubes import HOLLOW, LUMEN
 
 _EDGE = 0.6  # mm, the longest edge of the cut face
 _ROUNDS = 8
-_BACK, _BEHIND = 0.6, 1.0  # radii of the thickest vessel: its tube ends, its disc begins so far behind the face
+_BACK, _BEHIND = 0.9, 1.3  # radii of the thickest vessel: its tube ends, its disc begins so far behind the face
 _OUT = 0.06  # mm by which a cut vessel stands out of the face
 
 

@@ -71,39 +71,6 @@ class GeodesicDrape:
         NDArray[np.float64]
             Points on the skin in mm, shape (k, 3).
         """
-        here, left, far = self._walked(plane)
-        self._note(here, left, far)
-        return here
-
-    def within(self, plane: NDArray[np.float64], inset: float) -> NDArray[np.float64]:
-        """Drape points of the plane, those whose lines meet the skin's border so far inside it.
-
-        Parameters
-        ----------
-        plane
-            Points of the plane in mm, shape (k, 3).
-        inset
-            Distance along its line from a point to the border in mm, at least.
-
-        Returns
-        -------
-        NDArray[np.float64]
-            Points on the skin in mm, shape (k, 3).
-        """
-        longer = self.middle + (plane - self.middle) * self._stretch(plane, inset)[:, None]
-        _, left, far = self._walked(longer)
-        share = np.maximum(far - left - inset, 0.0) / np.maximum(np.linalg.norm(plane - self.middle, axis=1), 1e-300)
-        return self._walked(self.middle + (plane - self.middle) * np.minimum(share, 1.0)[:, None])[0]
-
-    def _stretch(self, plane: NDArray[np.float64], more: float) -> NDArray[np.float64]:
-        """By what to lengthen the lines to points so that they are so much longer (mm)."""
-        far = np.maximum(np.linalg.norm(plane - self.middle, axis=1), 1e-9)
-        return (far + more) / far
-
-    def _walked(
-        self, plane: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Where the lines to points of the plane end (k, 3), what is left of each, and how long each is, mm (k,)."""
         offsets = plane - self.middle
         offsets = offsets - np.outer(offsets @ self.normal, self.normal)
         far = np.linalg.norm(offsets, axis=1)
@@ -125,7 +92,8 @@ class GeodesicDrape:
             here[on], normal[on] = points[~stopped], normals[~stopped]
             left[on] -= step[~stopped]
             walking[on] = left[on] > 1e-9
-        return here, left, far
+        self._note(here, left, far)
+        return here
 
     def _note(self, here: NDArray[np.float64], left: NDArray[np.float64], far: NDArray[np.float64]) -> None:
         k = int(left.argmax())

@@ -191,7 +191,7 @@ def add_flap(
         start = procedure.end_time if timed else procedure.start_time
     when = schedule(design, start)
     how = technique(design, thickness_at(tissue, at), tissue.spacing)
-    events = _named_apart(flap_operation(design, skin, when, how, draped=True), procedure, name)
+    events = _named_apart(flap_operation(design, skin, when, how), procedure, name)
     longer = replace(procedure, end_time=max(procedure.end_time, when.end))
     return longer.with_events(*events)
 

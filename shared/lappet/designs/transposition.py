@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.designs.flap_design import Carry, Edge, FlapDesign
-from lappet.designs.geodesic_drape import GeodesicDrape
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
 
@@ -18,7 +17,6 @@ from lappet.tissue.skin_sheet import SkinSheet
 # of chords, drifts from the skin's normal at most, or the bite would be in the other wall. Measured on the examples:
 # less than 0.03.
 DRIFT = 0.05
-INSET = 2.0  # mm of skin that stays on its bed beside the tissue's border
 SHORT = 0.6  # of the distance between two sutures: a seam with less room than this between its margins gets one suture
 
 Way = Callable[[float], NDArray[np.float64]]  # from a share of the way to a point in mm, shape (3,)
@@ -128,8 +126,6 @@ def flap_operation(
     skin: SkinSheet,
     when: Schedule = Schedule(),
     how: Technique = Technique(),
-    *,
-    draped: bool = False,
 ) -> tuple[Event, ...]:
     """Plan the operation of a flap design, with the landmarks to judge it by.
 
@@ -147,8 +143,6 @@ def flap_operation(
         Time codes of the steps.
     how
         Distances and stiffness.
-    draped
-        Whether the line of undermining is laid by geodesics, and inside the skin's border.
 
     Returns
     -------
@@ -162,14 +156,14 @@ def flap_operation(
             for k, curve in enumerate(design.incisions)
         ),
         *([Excision("excision", when.excise, tuple(cut.seed for cut in design.excised))] if design.excised else []),
-        Undermine("undermining", when.undermine, outline(design, skin, how.beyond, draped=draped)),
+        Undermine("undermining", when.undermine, outline(design, skin, how.beyond)),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *sutures(design, skin, when, how),
         *landmarks(design, skin, how),
     )
 
 
-def outline(design: FlapDesign, skin: SkinSheet, beyond: float, *, draped: bool = False) -> tuple[Point, ...]:
+def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
     """Draw a convex line around all cuts of a design.
 
     Parameters
@@ -180,8 +174,6 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float, *, draped: bool 
         The skin on which the line lies.
     beyond
         Distance of the line from the cuts in mm.
-    draped
-        Whether the line is laid by geodesics from the middle of the cuts, and `INSET` inside the skin's border.
 
     Returns
     -------
@@ -202,10 +194,7 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float, *, draped: bool 
     turn = 2.0 * np.pi * np.arange(48) / 48
     rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     around = flat[(flat @ rays.T).argmax(axis=0)] + beyond * rays
-    plane = middle[0] + around @ axes
-    if draped:
-        plane = GeodesicDrape(skin, middle[0]).within(plane, INSET)
-    return tuple(skin.below(point, 0.0) for point in plane)
+    return tuple(skin.below(point, 0.0) for point in middle[0] + around @ axes)
 
 
 def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) -> Hook:
