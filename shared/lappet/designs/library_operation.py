@@ -16,9 +16,10 @@ from lappet.designs.flat_curves import length
 from lappet.designs.geodesic_drape import GeodesicDrape
 from lappet.designs.library import library_design
 from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
+from lappet.designs.undermined_area import SkinBorder, contour_around, reaches_border
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.triangulation import triangulate
-from lappet.procedure import Event, Landmark, Point, Procedure, Tissue
+from lappet.procedure import Event, Landmark, Point, Procedure, Tissue, Undermine
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.presets import SKIN
@@ -191,9 +192,25 @@ def add_flap(
         start = procedure.end_time if timed else procedure.start_time
     when = schedule(design, start)
     how = technique(design, thickness_at(tissue, at), tissue.spacing)
-    events = _named_apart(flap_operation(design, skin, when, how), procedure, name)
+    operation = _kept_inside(tissue, skin, design, how, flap_operation(design, skin, when, how))
+    events = _named_apart(operation, procedure, name)
     longer = replace(procedure, end_time=max(procedure.end_time, when.end))
     return longer.with_events(*events)
+
+
+def _kept_inside(
+    tissue: Tissue, skin: SkinSheet, design: FlapDesign, how: Technique, events: tuple[Event, ...]
+) -> tuple[Event, ...]:
+    """The events with undermining that keeps away from where the skin ends."""
+    border = SkinBorder(tissue)
+
+    def kept(event: Event) -> Event:
+        if not isinstance(event, Undermine) or not reaches_border(border, event.points):
+            return event
+        curves = [*(cut.outline for cut in design.excised), *design.incisions]
+        return replace(event, points=contour_around(border, skin, curves, how.beyond) or event.points)
+
+    return tuple(kept(event) for event in events)
 
 
 def flap_on_patch(
