@@ -10,7 +10,9 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
+
+from numpy.typing import ArrayLike
 
 from lappet.designs.library_operation import add_flap, skin_line_direction
 from lappet.models.new_model import new_model
@@ -19,19 +21,20 @@ from lappet.usd.stage import write_procedure
 
 
 class Operation(NamedTuple):
-    """A model, a design on it, where it lies (mm), its direction (None: across the skin lines), and its measures."""
+    """A model, a design on it, where it lies (mm), its direction (or how to the skin lines), and its measures."""
 
     model: str
     design: str
     at: Point
-    direction: Point | None
+    direction: Point | Literal["along", "across"]
     measures: dict[str, float]
     mirrored: bool = False
 
 
 OPERATIONS = {
-    "cheek_limberg": Operation("cheek", "limberg", (-50.0, 112.0, 692.0), None, {"side": 11.0}),
+    "cheek_limberg": Operation("cheek", "limberg", (-50.0, 112.0, 692.0), "across", {"side": 11.0}),
     "nose_bilobed": Operation("nose", "bilobed", (-3.0, 156.0, 705.0), (1.0, 0.0, 0.0), {"diameter": 7.0}, True),
+    "temple_o_z": Operation("temple", "o-z", (-70.0, 75.0, 755.0), "along", {"diameter": 10.0}),
 }
 
 
@@ -41,7 +44,9 @@ def build(name: str, spacing: float | None = None) -> Procedure:
     start = new_model(operation.model)
     if spacing is not None:
         start = replace(start, tissue=replace(start.tissue, spacing=spacing))
-    direction = operation.direction or skin_line_direction(start, operation.at, across=True)
+    direction: ArrayLike = operation.direction
+    if isinstance(operation.direction, str):
+        direction = skin_line_direction(start, operation.at, across=operation.direction == "across")
     return add_flap(start, operation.design, operation.at, direction, operation.measures, mirrored=operation.mirrored)
 
 

@@ -18,7 +18,7 @@ from lappet.program.compile import compile_program
 from lappet.solve.store import FrameStore
 
 FACES = Path(__file__).resolve().parents[2] / "examples" / "faces"
-NAMES = ("cheek_limberg", "nose_bilobed")
+NAMES = ("cheek_limberg", "nose_bilobed", "temple_o_z")
 pytestmark = pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
 
 
@@ -58,6 +58,4 @@ def test_limbergs_flap_closes_the_defect_of_a_cheek(tmp_path: Path) -> None:
     marks = {name: np.array(at) for name, at in last["landmarks"].items()}
     for corner in ("donor", "shoulder", "tip"):
         assert np.linalg.norm(marks[f"{corner} flap"] - marks[f"{corner} wound"]) < 0.6
-    ends = [result.measures[-1].sums]
-    assert ends[0] is not None
     assert report(result)["seams"][-1]["open_area_mm2"] < 5.0  # of a defect of 105 mm²
