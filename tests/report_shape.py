@@ -34,7 +34,7 @@ FRAME: dict[str, Any] = {
         "is_sensitive": bool,
         "saddles_left": int,
     },
-    "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
+    "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "stability": NUMBER, "total": NUMBER, "wall": NUMBER},
     "suture_gaps_mm": dict,
     "suture_forces_mn": dict,
     "suture_force_vectors_mn": dict,
