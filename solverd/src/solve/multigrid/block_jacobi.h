@@ -90,14 +90,24 @@ class BlockJacobi {
       for (int i = 0; i < 3; ++i)
         middle.emplace_back(3 * index + i, 3 * index + i, 1.0 / std::max(constraint.stiffness, kMinStiffness));
     }
+    // A node of few constraints is one of many of their nodes: a block is added up before it goes into the matrix.
+    std::vector<std::vector<std::pair<std::int32_t, Eigen::Matrix3d>>> coupled(constraint_start_.size() - 1);
     for (const auto& entries : of_node)
       for (const auto& [a, row] : entries)
         for (const auto& [b, gain] : entries) {
           if (b > a) continue;
           const Eigen::Matrix3d block = rows[row] * constraint_entries_[gain].gain;
-          for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < (a == b ? i + 1 : 3); ++j) middle.emplace_back(3 * a + i, 3 * b + j, block(i, j));
+          auto& of_a = coupled[static_cast<std::size_t>(a)];
+          const auto found = std::ranges::find(of_a, b, &std::pair<std::int32_t, Eigen::Matrix3d>::first);
+          if (found == of_a.end())
+            of_a.emplace_back(b, block);
+          else
+            found->second += block;
         }
+    for (std::int32_t a = 0; a < to_index(coupled.size()); ++a)
+      for (const auto& [b, block] : coupled[static_cast<std::size_t>(a)])
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < (a == b ? i + 1 : 3); ++j) middle.emplace_back(3 * a + i, 3 * b + j, block(i, j));
     const Eigen::Index size = 3 * (constraint_start_.size() - 1);
     constraint_values_.resize(size);
     if (constrained_nodes_.empty()) return;
