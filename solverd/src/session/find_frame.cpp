@@ -328,9 +328,7 @@ class FrameSearch {
     Evaluation& at = found_.outcome.at;
     at = epoch_.system.evaluate(found_.state.u, found_.state.multipliers, std::move(at));
   }
-  bool out_of_time() const {
-    return settings_.time_budget > 0.0 && seconds_since(start_) > settings_.time_budget;
-  }
+  bool out_of_time() const { return settings_.time_budget > 0.0 && seconds_since(start_) > settings_.time_budget; }
 
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const SessionSettings& settings_;
