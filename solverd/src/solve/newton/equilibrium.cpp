@@ -23,10 +23,12 @@ namespace {
 
 constexpr int kMaxLinearIterations = 120;
 // The linear solve that carries prescribed motion is exact: nearly incompressible tissue otherwise starts from a volume
-// that is wrong everywhere. In a search that begins with a jump a few per cent do for the rest, as Newton's own model
-// is no better; one that starts near its end takes the fewest iterations at one.
+// that is wrong everywhere. For the rest a few per cent do as long as Newton's own model is no better: the square of
+// what the last iteration left of the residual says how good it is (Eisenstat and Walker 1996, choice 2). Near the end
+// each iteration does as much as is still needed, and what is left must not be what linear solves find late.
 constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMaxTolerance = 0.1;
 constexpr double kForcing = 0.3;
+constexpr double kFar = 50.0;  // tolerances: who asks for much more than the default has many orders to go
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
 // A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
 constexpr double kRoundedResidual = 0.1;
@@ -275,11 +277,10 @@ class EquilibriumSearch {
     outcome_.seconds_update += watch_.lap();
     const double forcing =
         kForcing * augmented_lagrangian_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
-    const double least = jumped_ ? kFarTolerance : kNearTolerance;
-    const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
+    const double target = carries ? kCarryTolerance : std::clamp(forcing, least_tolerance(), kMaxTolerance);
+    residual_before_ = outcome_.residual;
     // What comes of a step from afar says nothing of the next one.
-    const bool tracks = options_.accuracy == Accuracy::kFrame && !carries &&
-                        (arriving || outcome_.residual <= kClose * options_.tolerance);
+    const bool tracks = options_.accuracy == Accuracy::kFrame && !carries && (arriving || is_close());
     std::optional<DisplacementLimits<Real>> limits;
     if (tracks) limits.emplace(system_, u_, displacement_tolerance());
     SeriesEstimate pieces;
@@ -328,6 +329,15 @@ class EquilibriumSearch {
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
     return true;
+  }
+
+  bool is_close() const { return outcome_.residual <= kClose * options_.tolerance; }
+  double least_tolerance() const {
+    if (jumped_) return kFarTolerance;
+    if (is_close()) return kNearTolerance;
+    const double left = outcome_.residual / residual_before_;
+    return std::clamp(left * left, kNearTolerance,
+                      std::clamp(kFar * options_.tolerance, kNearTolerance, kFarTolerance));
   }
 
   void set_right_hand_side(bool carries) {
@@ -516,8 +526,9 @@ class EquilibriumSearch {
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
-  double to_come_ = 0.0;  // of the last linear solve, as a share of the limits
-  bool good_ = false;     // and whether the iterations told it well
+  double residual_before_ = 0.0;  // where the last tangent was solved; 0: nowhere
+  double to_come_ = 0.0;          // of the last linear solve, as a share of the limits
+  bool good_ = false;             // and whether the iterations told it well
   bool clearly_near_ = false;
   double unit_ = 0.0;                                           // mm of such a share
   double last_step_ = std::numeric_limits<double>::infinity();  // if it was a whole one with the exact tangent
