@@ -23,11 +23,13 @@ namespace {
 
 constexpr int kMaxLinearIterations = 120;
 // The linear solve that carries prescribed motion is exact: nearly incompressible tissue otherwise starts from a volume
-// that is wrong everywhere. For the rest a few per cent do, as Newton's own model is no better far from the end: at 5 %
-// flaps take a fifth fewer linear iterations than at 1 %, and 6 % more of Newton's.
+// that is wrong everywhere. In a search that begins with a jump a few per cent do for the rest, as Newton's own model
+// is no better; one that starts near its end takes the fewest products with the tangent at 3 %, and at a stricter
+// tolerance, which leaves many orders to go, at 1 %.
 constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMaxTolerance = 0.1;
 constexpr double kForcing = 0.3;
-constexpr double kFar = 50.0;  // tolerances: who asks for much more than the default has many orders to go
+constexpr double kNear = 30.0;  // tolerances of the residual, but 3 % at most
+constexpr double kMostNear = 3e-2;
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
 // A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
 constexpr double kRoundedResidual = 0.1;
@@ -35,8 +37,6 @@ constexpr double kRoundedResidual = 0.1;
 // An estimate of the displacement still to come is good where the series has this share of its sum left, and not
 // needed any better where all of it is this share of the limit.
 constexpr double kGoodEstimate = 0.25, kClearly = 0.3;
-// What is floppy is found late, and is what linear solves on the way have left: the residual has fallen to this share.
-constexpr double kLate = 5e-2;
 // Share of the limit at which a search ends. One that begins within the whole limit has nothing to do: a solve that is
 // resumed estimates with another preconditioner, and must come to the same end.
 constexpr double kAtEnd = 0.8;
@@ -288,7 +288,7 @@ class EquilibriumSearch {
     const auto enough = [&](double reduction, double alpha, std::span<const Real> p, std::span<const Real> x) {
       if (tracks) pieces.add(std::abs(alpha) * limits->share(p));
       if (!arriving) return reduction <= target;
-      if (reduction > kLate) return false;
+      if (reduction > kMaxTolerance) return false;  // what is floppy is found late
       const double sum = limits->share(x), left = pieces.left();
       clearly_near_ = clearly_near_ || sum + left <= std::min(kClearly, nearness());
       return (clearly_near_ && !options_.keeps_step) || left <= kGoodEstimate * sum || reduction <= kCarryTolerance;
@@ -333,7 +333,7 @@ class EquilibriumSearch {
   }
 
   double least_tolerance() const {
-    return jumped_ ? kFarTolerance : std::clamp(kFar * options_.tolerance, kNearTolerance, kFarTolerance);
+    return jumped_ ? kFarTolerance : std::clamp(kNear * options_.tolerance, kNearTolerance, kMostNear);
   }
 
   void set_right_hand_side(bool carries) {
