@@ -15,6 +15,8 @@ from typing import Literal, NamedTuple
 from numpy.typing import ArrayLike
 
 from lappet.designs.library_operation import add_flap, skin_line_direction
+from lappet.models.body_shape import BodyShape
+from lappet.models.model_choice import ModelChoice
 from lappet.models.new_model import new_model
 from lappet.procedure import Point, Procedure
 from lappet.usd.stage import write_procedure
@@ -29,19 +31,33 @@ class Operation(NamedTuple):
     direction: Point | Literal["along", "across"]
     measures: dict[str, float]
     mirrored: bool = False
+    targets: tuple[tuple[str, float], ...] = ()  # of the body's shape
 
 
+# An upper lid that hangs over its crease, on both eyes.
+HOODED = tuple((f"eyes/{side}-eye-eyefold-{what}", 1.0) for side in "lr" for what in ("convex", "down"))
 OPERATIONS = {
     "cheek_limberg": Operation("cheek", "limberg", (-50.0, 112.0, 692.0), "across", {"side": 11.0}),
     "nose_bilobed": Operation("nose", "bilobed", (-3.0, 156.0, 705.0), (1.0, 0.0, 0.0), {"diameter": 7.0}, True),
     "temple_o_z": Operation("temple", "o-z", (-70.0, 75.0, 755.0), "along", {"diameter": 10.0}),
+    "upper_eyelid": Operation(
+        "eyelids", "upper-lid", (-32.0, 139.0, 742.3), (-1.0, 0.0, 0.0), {"length": 28.0, "width": 4.5}, targets=HOODED
+    ),
+    "lip_a_t": Operation(
+        "lips",
+        "a-t",
+        (-13.5, 147.0, 678.7),
+        (-1.0, 0.0, -0.22),
+        {"width": 7.0, "height": 1.1, "limb": 0.85, "burow": 0.0},
+    ),
 }
 
 
 def build(name: str, spacing: float | None = None) -> Procedure:
     """A whole procedure; spacing: of the lattice in mm, None for the model's."""
     operation = OPERATIONS[name]
-    start = new_model(operation.model)
+    choice = ModelChoice(shape=BodyShape(targets=operation.targets)) if operation.targets else ModelChoice()
+    start = new_model(operation.model, choice)
     if spacing is not None:
         start = replace(start, tissue=replace(start.tissue, spacing=spacing))
     direction: ArrayLike = operation.direction

@@ -20,7 +20,8 @@ LEANING = 0.4  # of the angle to the normal: so much of it where a body is shown
 MARGIN = 9.0
 # Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
 FIELD_FILL = (0.64, 0.78)
-WIDEST = 5.0  # times the field: so much of the body around it a picture shows at most
+WIDEST = 5.0  # times the field: so much of the body around it counts at most
+NEARER = 0.75  # power of that which is shown: less of a body around a small wound
 WHOLE_FILL = (0.94, 0.94)
 
 
@@ -84,7 +85,7 @@ def widened(field: SurgicalField, tissue: NDArray[np.float64]) -> SurgicalField:
     """
     own = float(np.linalg.norm(np.ptp(field.points, axis=0)))
     least = AROUND_WHOLE if field.fill == WHOLE_FILL else 1.0
-    context = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / max(own, 1.0), least, WIDEST))
+    context = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / max(own, 1.0), least, WIDEST)) ** NEARER
     seed = np.array([0.0, 0.0, 1.0]) if abs(field.normal[2]) < 0.8 else np.array([0.0, 1.0, 0.0])
     up = seed - (seed @ field.normal) * field.normal
     up /= np.linalg.norm(up)

@@ -13,6 +13,7 @@ from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_flap import ROTATION
 from lappet.designs.s_plasty import DUAL_S_PLASTY
+from lappet.designs.upper_lid_excision import UPPER_LID
 from lappet.designs.v_y_plasty import V_Y_PLASTY, Y_V_PLASTY
 from lappet.designs.w_plasty_design import W_PLASTY
 from lappet.designs.z_plasty_flaps import Z_PLASTY
@@ -23,6 +24,7 @@ DESIGNS = {
     for design in (
         FUSIFORM,
         S_EXCISION,
+        UPPER_LID,
         W_PLASTY,
         Z_PLASTY,
         LIMBERG,
