@@ -50,6 +50,9 @@ OPERATIONS = {
         (-1.0, 0.0, -0.22),
         {"width": 7.0, "height": 1.1, "limb": 0.85, "burow": 0.0},
     ),
+    "limb_keystone": Operation(
+        "limb", "keystone", (-124.0, 95.0, -130.0), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
+    ),
 }
 
 

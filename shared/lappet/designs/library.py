@@ -8,6 +8,7 @@ from lappet.designs.a_t_plasty import A_T_PLASTY
 from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
 from lappet.designs.bilobed_flap import BILOBED
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
+from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
@@ -38,6 +39,7 @@ DESIGNS = {
         A_T_PLASTY,
         V_Y_PLASTY,
         Y_V_PLASTY,
+        KEYSTONE,
     )
 }
 
