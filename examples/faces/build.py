@@ -12,13 +12,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from lappet.designs.library_operation import add_flap, skin_line_direction
 from lappet.models.body_shape import BodyShape
 from lappet.models.model_choice import ModelChoice
 from lappet.models.new_model import new_model
-from lappet.procedure import Point, Procedure
+from lappet.procedure import Point, Procedure, Region
+from lappet.tissue.presets import PRESETS
+from lappet.tissue.presets.layers import FAT_FACES
+from lappet.tissue.skin_sheet import SkinSheet
+from lappet.tissue.uniaxial import prestretch_for
 from lappet.usd.stage import write_procedure
 
 
@@ -32,8 +37,10 @@ class Operation(NamedTuple):
     measures: dict[str, float]
     mirrored: bool = False
     targets: tuple[tuple[str, float], ...] = ()  # of the body's shape
+    scar: tuple[float, float] | None = None  # length and width in mm of a contracted scar along the direction
 
 
+CONTRACTED = (10.0, 40.0)  # kPa in a scar across the skin lines: of the preset, and along the band; chosen
 # An upper lid that hangs over its crease, on both eyes.
 HOODED = tuple((f"eyes/{side}-eye-eyefold-{what}", 1.0) for side in "lr" for what in ("convex", "down"))
 OPERATIONS = {
@@ -53,6 +60,9 @@ OPERATIONS = {
     "limb_keystone": Operation(
         "limb", "keystone", (-124.0, 95.0, -130.0), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
     ),
+    "neck_z_plasty": Operation(
+        "neck", "z-plasty", (0.0, 75.0, 592.0), (0.0, 0.0, 1.0), {"limb": 15.0}, scar=(44.0, 6.0)
+    ),
 }
 
 
@@ -66,7 +76,29 @@ def build(name: str, spacing: float | None = None) -> Procedure:
     direction: ArrayLike = operation.direction
     if isinstance(operation.direction, str):
         direction = skin_line_direction(start, operation.at, across=operation.direction == "across")
+    if operation.scar is not None:
+        start = scarred(start, operation.at, direction, *operation.scar)
     return add_flap(start, operation.design, operation.at, direction, operation.measures, mirrored=operation.mirrored)
+
+
+def scarred(procedure: Procedure, at: Point, direction: ArrayLike, length: float, width: float) -> Procedure:
+    """A procedure with a band of the preset scar in its skin, contracted along the band, which crosses the skin lines."""
+    tissue, way = procedure.tissue, np.asarray(direction, np.float64)
+    middle, normal = (value[0] for value in SkinSheet.of(tissue).at(at))
+    way = way - (way @ normal) * normal
+    way /= np.linalg.norm(way)
+    faces = tissue.subsets[FAT_FACES]  # the skin's
+    starts = np.concatenate([[0], np.cumsum(tissue.face_vertex_counts)[:-1]])
+    offset = tissue.points[tissue.face_vertex_indices[starts[faces][:, None] + np.arange(3)]].mean(axis=1) - middle
+    across = np.abs(offset @ np.cross(normal, way))
+    band = faces[(np.abs(offset @ way) < 0.5 * length) & (across < 0.5 * width)]
+    (below,) = (region for region in tissue.regions if region.faces == FAT_FACES)
+    unstretched = PRESETS["scar"].unstretched
+    stretch = prestretch_for(unstretched, *CONTRACTED)
+    scar = replace(unstretched, prestretch=(round(stretch[0], 4), round(stretch[1], 4)))
+    region = Region("scar_band", scar.name, depth_to=below.depth_from)
+    tissue = replace(tissue, subsets={**tissue.subsets, "scar_band": band}, regions=(*tissue.regions, region))
+    return replace(procedure, tissue=tissue, materials=(*procedure.materials, scar))
 
 
 if __name__ == "__main__":
