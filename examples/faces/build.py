@@ -19,7 +19,7 @@ from lappet.designs.library_operation import add_flap, skin_line_direction
 from lappet.models.body_shape import BodyShape
 from lappet.models.model_choice import ModelChoice
 from lappet.models.new_model import new_model
-from lappet.procedure import Point, Procedure, Region
+from lappet.procedure import Landmark, Point, Procedure, Region
 from lappet.tissue.presets import PRESETS
 from lappet.tissue.presets.layers import FAT_FACES
 from lappet.tissue.skin_sheet import SkinSheet
@@ -49,6 +49,9 @@ OPERATIONS = {
     "temple_o_z": Operation("temple", "o-z", (-70.0, 75.0, 755.0), "along", {"diameter": 10.0}),
     "upper_eyelid": Operation(
         "eyelids", "upper-lid", (-32.0, 139.0, 742.3), (-1.0, 0.0, 0.0), {"length": 28.0, "width": 4.5}, targets=HOODED
+    ),
+    "ala_nasolabial": Operation(
+        "midface", "nasolabial", (-15.5, 146.0, 700.0), (0.3, 0.3, -0.9), {"diameter": 7.0}
     ),
     "lip_a_t": Operation(
         "lips",
@@ -84,7 +87,8 @@ def build(name: str, spacing: float | None = None) -> Procedure:
 def scarred(procedure: Procedure, at: Point, direction: ArrayLike, length: float, width: float) -> Procedure:
     """A procedure with a band of the preset scar in its skin, contracted along the band, which crosses the skin lines."""
     tissue, way = procedure.tissue, np.asarray(direction, np.float64)
-    middle, normal = (value[0] for value in SkinSheet.of(tissue).at(at))
+    skin = SkinSheet.of(tissue)
+    middle, normal = (value[0] for value in skin.at(at))
     way = way - (way @ normal) * normal
     way /= np.linalg.norm(way)
     faces = tissue.subsets[FAT_FACES]  # the skin's
@@ -98,7 +102,9 @@ def scarred(procedure: Procedure, at: Point, direction: ArrayLike, length: float
     scar = replace(unstretched, prestretch=(round(stretch[0], 4), round(stretch[1], 4)))
     region = Region("scar_band", scar.name, depth_to=below.depth_from)
     tissue = replace(tissue, subsets={**tissue.subsets, "scar_band": band}, regions=(*tissue.regions, region))
-    return replace(procedure, tissue=tissue, materials=(*procedure.materials, scar))
+    ends = [skin.below(middle + side * 0.5 * length * way, 0.0) for side in (1.0, -1.0)]
+    marks = [Landmark(f"scar_end_{k}", (end,), f"scar end {k}") for k, end in enumerate(ends, start=1)]
+    return replace(procedure, tissue=tissue, materials=(*procedure.materials, scar)).with_events(*marks)
 
 
 if __name__ == "__main__":

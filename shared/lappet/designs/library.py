@@ -10,6 +10,7 @@ from lappet.designs.bilobed_flap import BILOBED
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
+from lappet.designs.nasolabial_flap import NASOLABIAL
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_flap import ROTATION
@@ -31,6 +32,7 @@ DESIGNS = {
         LIMBERG,
         DUFOURMENTEL,
         BILOBED,
+        NASOLABIAL,
         ROTATION,
         O_Z_PLASTY,
         DUAL_S_PLASTY,
