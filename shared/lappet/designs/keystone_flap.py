@@ -14,7 +14,7 @@ what is left of its own lip.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
@@ -98,7 +98,9 @@ def keystone_flap(
         seams.append(Seam(name, (plane.edge_beside(own, flap), plane.edge_beside(rest, beyond))))
         fork = stem[0][-1]
         away = 0.2 * whole * (beyond - fork) / np.linalg.norm(beyond - fork)
-        corners.append(Corner(f"tip_{name}", plane.spot(outer[end], flap), plane.spot(fork, fork + away)))
+        tip, lip = plane.spot(outer[end], flap), stem[1][-1]
+        corners.append(Corner(f"tip_{name}", tip, plane.spot(fork, fork + away)))
+        corners.append(Corner(f"rim_{name}", tip, plane.spot(lip, lip + 0.2 * breadth * width * _outwards(lip - middle))))
         taken.append(part(side, 0.0, moved))
     front = np.vstack([taken[0][::-1][:-1], inner[:-1], taken[1]])
     back = part(outer, moved, length_of(outer) - moved)
@@ -119,6 +121,10 @@ def keystone_flap(
         (plane.point(flap),),
         undermined=0.0,
     )
+
+
+def _outwards(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    return vector / np.linalg.norm(vector)
 
 
 _BEHAN = "F. C. Behan, ANZ J. Surg. 73 (2003) 112"

@@ -7,6 +7,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.designs.a_t_plasty import A_T_PLASTY
 from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
 from lappet.designs.bilobed_flap import BILOBED
+from lappet.designs.dorsal_nasal_flap import DORSAL_NASAL
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
@@ -33,6 +34,7 @@ DESIGNS = {
         DUFOURMENTEL,
         BILOBED,
         NASOLABIAL,
+        DORSAL_NASAL,
         ROTATION,
         O_Z_PLASTY,
         DUAL_S_PLASTY,
