@@ -50,9 +50,7 @@ OPERATIONS = {
     "upper_eyelid": Operation(
         "eyelids", "upper-lid", (-32.0, 139.0, 742.3), (-1.0, 0.0, 0.0), {"length": 28.0, "width": 4.5}, targets=HOODED
     ),
-    "ala_nasolabial": Operation(
-        "midface", "nasolabial", (-15.5, 146.0, 700.0), (0.3, 0.3, -0.9), {"diameter": 7.0}
-    ),
+    "ala_nasolabial": Operation("midface", "nasolabial", (-15.5, 146.0, 700.0), (0.3, 0.3, -0.9), {"diameter": 7.0}),
     "lip_a_t": Operation(
         "lips",
         "a-t",
@@ -85,7 +83,7 @@ def build(name: str, spacing: float | None = None) -> Procedure:
 
 
 def scarred(procedure: Procedure, at: Point, direction: ArrayLike, length: float, width: float) -> Procedure:
-    """A procedure with a band of the preset scar in its skin, contracted along the band, which crosses the skin lines."""
+    """A procedure with a band of the preset scar in its skin, contracted along itself, across the skin lines."""
     tissue, way = procedure.tissue, np.asarray(direction, np.float64)
     skin = SkinSheet.of(tissue)
     middle, normal = (value[0] for value in skin.at(at))

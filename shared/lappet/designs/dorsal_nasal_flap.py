@@ -27,6 +27,7 @@ from lappet.tissue.placement import Place
 
 NICK = 0.3  # mm by which the incision begins inside the defect
 STEM = 0.75  # of the slide: how much of the back-cut's outer lip goes into the stem
+OFF = np.radians(23.0)  # of the back-cut from the middle line
 _STEP = 0.5  # mm from point to point of the defect
 
 
@@ -37,7 +38,7 @@ def dorsal_nasal_flap(
     length: float = 48.0,
     half_width: float = 13.0,
     back_cut: float = 18.0,
-    slide: float = 0.55,
+    slide: float = 0.4,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
@@ -78,8 +79,8 @@ def dorsal_nasal_flap(
     RefusedError
         If a length is not positive, or the defect leaves no room for the flap above it.
     """
-    require_lengths("dorsal_nasal", diameter=diameter, length=length, half_width=half_width, back_cut=back_cut)
-    require_lengths("dorsal_nasal", slide=slide)
+    measures = {"diameter": diameter, "length": length, "half_width": half_width, "back_cut": back_cut, "slide": slide}
+    require_lengths("dorsal_nasal", **measures)
     if not length > 2.0 * diameter:
         raise refused(ProblemCode.DESIGN_OVAL, "dorsal-nasal", f"{diameter:g}", length=0.5 * length)
     r, s = 0.5 * diameter, slide * diameter
@@ -87,45 +88,32 @@ def dorsal_nasal_flap(
     upper = arc(np.zeros(2), r, 60.0, -60.0, _STEP)  # from the pivot's side to D
     lower = arc(np.zeros(2), r, 60.0, 300.0, _STEP)
     apex = np.array([length, 0.0])
-    side = _bezier(
-        upper[-1],
-        upper[-1] + np.array([0.1 * length, -1.25 * half_width]),
-        np.array([0.72 * length, -half_width]),
-        apex,
-    )
-    end = apex + back_cut * np.array([-np.cos(0.5), np.sin(0.5)])  # B, 29° off the middle line
-    back = segment(apex, end)
+    out, in_ = upper[-1] + (0.1 * length, -1.25 * half_width), np.array([0.65 * length, -0.75 * half_width])
+    side = _bezier(upper[-1], out, in_, apex)
+    back = segment(apex, apex + back_cut * np.array([-np.cos(OFF), np.sin(OFF)]))  # from G to B
     whole = length_of(side)
     flap, cheek = np.array([0.45 * length, 0.0]), np.array([0.4 * length, -3.0 * half_width])
     brow = apex + np.array([0.2 * length, 0.5 * half_width])
     front = np.vstack([upper[:-1], part(side, 0.0, s)])
     stem = part(side[::-1], 0.0, s), part(back, 0.0, STEM * s)
-    fork, rim = stem[0][-1], stem[1][-1]
-    tip, corner = plane.spot(apex, flap), part(side, 0.0, s)[-1]
-    near_cheek, near_brow = np.array([-0.05 * length, -0.3 * half_width]), 0.1 * (brow - apex)
-    begin = upper[-1] * (1.0 - NICK / r)
+    tip, corner = plane.spot(apex, flap), front[-1]
+    aside, near_cheek = (0.0, -0.3 * half_width), (-0.05 * length, -0.3 * half_width)
+    pairs = (
+        ("donor_stem", (stem[0], cheek), (stem[1], brow)),
+        ("side", (part(side, s, whole), flap), (part(side, 0.0, whole - s), cheek)),
+        ("back", (back, flap), (part(back, STEM * s, length_of(back)), brow)),
+    )
     return FlapDesign(
         (plane.excised("defect", np.vstack([lower[:-1], upper[:0:-1]]), np.zeros(2)),),
-        (plane.points(np.vstack([begin[None], side[:-1], back])),),
+        (plane.points(np.vstack([upper[-1:] * (1.0 - NICK / r), side[:-1], back])),),
         (
-            Seam("donor_stem", (plane.edge_beside(stem[0], cheek), plane.edge_beside(stem[1], brow))),
             Seam("front", (plane.edge(front, 1), plane.edge(lower, -1))),
-            Seam(
-                "side",
-                (
-                    plane.edge_beside(part(side, s, whole), flap),
-                    plane.edge_beside(part(side, 0.0, whole - s), cheek),
-                ),
-            ),
-            Seam(
-                "back",
-                (plane.edge_beside(back, flap), plane.edge_beside(part(back, STEM * s, length_of(back)), brow)),
-            ),
+            *(Seam(name, (plane.edge_beside(*one), plane.edge_beside(*other))) for name, one, other in pairs),
         ),
         (
             Corner("side", plane.spot(corner, flap), plane.spot(upper[-1], upper[-1] + near_cheek)),
-            Corner("tip", tip, plane.spot(fork, fork + np.array([0.0, -0.3 * half_width]))),
-            Corner("rim", tip, plane.spot(rim, rim + near_brow)),
+            Corner("tip", tip, plane.spot(stem[0][-1], stem[0][-1] + aside)),
+            Corner("rim", tip, plane.spot(stem[1][-1], stem[1][-1] + 0.1 * (brow - apex))),
         ),
         (
             Carry(
@@ -159,13 +147,13 @@ DORSAL_NASAL = LibraryDesign(
         Parameter("length", "from the defect's middle to the glabellar apex", "mm", 56.0, 25.0, 90.0, _PLACE),
         Parameter("half_width", "from the middle line to the groove beside the nose", "mm", 14.0, 5.0, 25.0, _PLACE),
         Parameter("back_cut", "length of the back-cut", "mm", 22.0, 8.0, 40.0, "to above the inner canthus"),
-        Parameter("slide", "how far it slides, in diameters of the defect", "", 0.55, 0.2, 0.8, "chosen"),
+        Parameter("slide", "how far it slides, in diameters of the defect", "", 0.4, 0.35, 0.7, "chosen"),
     ),
     dorsal_nasal_flap,
     "the middle of the defect",
     "from the defect up the nose",
     "",
-    "J. Sciegienka et al., Plast. Aesthet. Res. 9 (2022) 1, on the sliding glabellar flap (its text was read), after "
+    "J. Sciegienka et al., Plast. Aesthet. Res. 9 (2022) 1, on the sliding glabellar flap (an excerpt was read), after "
     + _RIEGER
     + " (not read).",
 )

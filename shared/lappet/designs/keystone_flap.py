@@ -14,7 +14,7 @@ what is left of its own lip.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
@@ -93,14 +93,12 @@ def keystone_flap(
         whole = length_of(side)
         stem = part(side[::-1], 0.0, moved), part(rim, 0.0, moved)
         seams.append(Seam(f"stem_{name}", (plane.edge_beside(stem[0], beyond), plane.edge_beside(stem[1], above))))
-        rest = part(side, 0.0, whole - moved)
-        own = part(side, moved, whole)
+        own, rest = part(side, moved, whole), part(side, 0.0, whole - moved)
         seams.append(Seam(name, (plane.edge_beside(own, flap), plane.edge_beside(rest, beyond))))
-        fork = stem[0][-1]
-        away = 0.2 * whole * (beyond - fork) / np.linalg.norm(beyond - fork)
-        tip, lip = plane.spot(outer[end], flap), stem[1][-1]
-        corners.append(Corner(f"tip_{name}", tip, plane.spot(fork, fork + away)))
-        corners.append(Corner(f"rim_{name}", tip, plane.spot(lip, lip + 0.2 * breadth * width * _outwards(lip - middle))))
+        tip = plane.spot(outer[end], flap)
+        for what, lip, away in (("tip", stem[0][-1], beyond - stem[0][-1]), ("rim", stem[1][-1], stem[1][-1] - middle)):
+            into = lip + 0.2 * whole * away / np.linalg.norm(away)
+            corners.append(Corner(f"{what}_{name}", tip, plane.spot(lip, into)))
         taken.append(part(side, 0.0, moved))
     front = np.vstack([taken[0][::-1][:-1], inner[:-1], taken[1]])
     back = part(outer, moved, length_of(outer) - moved)
@@ -123,25 +121,30 @@ def keystone_flap(
     )
 
 
-def _outwards(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    return vector / np.linalg.norm(vector)
-
-
 _BEHAN = "F. C. Behan, ANZ J. Surg. 73 (2003) 112"
 KEYSTONE = LibraryDesign(
     "keystone",
     "Keystone flap (type I)",
     "An elliptic defect of a limb or the trunk that cannot be closed directly: an island on its perforators beside it.",
     (
-        Parameter("length", "length of the defect", "mm", 42.0, 10.0, 150.0, "3:1 to the width, along the limb: " + _BEHAN),
-        Parameter("width", "width of the defect", "mm", 14.0, 3.0, 60.0, _BEHAN),
-        Parameter("breadth", "breadth of the flap, in widths of the defect", "", 1.0, 0.75, 2.0, "1:1: " + _BEHAN),
+        Parameter("length", "length of the defect", "mm", 42.0, 10.0, 150.0, "chosen: 3:1 to the width"),
+        Parameter("width", "width of the defect", "mm", 14.0, 3.0, 60.0, "that of the lesion with its margin"),
+        Parameter(
+            "breadth",
+            "breadth of the flap, in widths of the defect",
+            "",
+            1.0,
+            0.75,
+            2.0,
+            "chosen: as broad as the defect",
+        ),
         Parameter("advance", "how far the flap goes into the defect, in widths", "", 0.35, 0.1, 0.6, "chosen"),
     ),
     keystone_flap,
     "the middle of the defect",
     "the defect's long axis, the flap to its left",
     "",
-    _BEHAN + " (its abstract was read, not its figures): a curved trapezoid, its long axis beside the defect's, with V-Y "
+    _BEHAN
+    + " (its abstract was read, not its figures): a curved trapezoid, its long axis beside the defect's, with V-Y "
     "advancement of each end, on random perforators.",
 )

@@ -126,8 +126,8 @@ def _arch(
 ) -> tuple[NDArray[np.float64], ...]:
     """The sides of the donor site up to where the flap is trimmed and down from there; the trimmed flap's end; the tip.
 
-    The arch is high (1 - abs(t)^GOTHIC) over the chord from start to end, t from -1 to 1, the ellipse long sqrt(1 - t²).
-    Each is of points (k, 2), from the side of start to that of end.
+    The arch is high (1 - abs(t)^GOTHIC) over the chord from start to end, t from -1 to 1, the ellipse long
+    sqrt(1 - t²). Each is of points (k, 2), from the side of start to that of end.
     """
     t = -np.cos(np.linspace(0.0, np.pi, 2001))
     pointed, round_end = high * (1.0 - np.abs(t) ** GOTHIC), long * np.sqrt(np.maximum(1.0 - t**2, 0.0))
@@ -151,14 +151,16 @@ def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
     return vector / np.linalg.norm(vector)
 
 
-_BAKER = "S. R. Baker, Local Flaps in Facial Reconstruction, on melolabial flaps"
-_TRIMMED = "J. Sciegienka et al., Plast. Aesthet. Res. 9 (2022) 1, figure 8: a superiorly based flap, trimmed to the defect"
+_BAKER = "S. R. Baker, Local Flaps in Facial Reconstruction, on melolabial flaps (not read)"
+_TRIMMED = (
+    "J. Sciegienka et al., Plast. Aesthet. Res. 9 (2022) 1, figure 8: a superiorly based flap, trimmed to the defect"
+)
 NASOLABIAL = LibraryDesign(
     "nasolabial",
     "Nasolabial flap",
     "A round defect of the ala or the side of the nose, filled with skin of the fold beside it.",
     (
-        Parameter("diameter", "diameter of the defect", "mm", 12.0, 3.0, 25.0, "below 2 cm on the ala: Sciegienka 2022"),
+        Parameter("diameter", "diameter of the defect", "mm", 12.0, 3.0, 25.0, "chosen: what the fold can give"),
         Parameter("angle", "angle by which the flap turns", "°", 60.0, 50.0, 75.0, "chosen: between fold and ala"),
         Parameter("height", "height of the donor site, in radii", "", 2.5, 1.75, 4.0, "what closes without a dog-ear"),
     ),
@@ -166,5 +168,5 @@ NASOLABIAL = LibraryDesign(
     "the middle of the defect",
     "from the pivot to the defect",
     "",
-    _TRIMMED + " (its caption and text were read); " + _BAKER + ".",
+    _TRIMMED + " (its caption was read); after " + _BAKER + ".",
 )

@@ -85,13 +85,15 @@ def upper_lid_excision(
 
 
 _MARKING = "marked on the patient, by pinching the skin"
-_BURKAT = "C. N. Burkat, in: Pearls and Pitfalls in Cosmetic Oculoplastic Surgery (2008), chapter 20"
+_BURKAT = "C. N. Burkat, Skin marking in upper blepharoplasty (2008), doi 10.1007/978-0-387-69007-0_20"
 UPPER_LID = LibraryDesign(
     "upper-lid",
     "Upper eyelid skin excision",
     "Loose skin of an upper eyelid (blepharoplasty), closed in the lid's crease.",
     (
-        Parameter("length", "length from tip to tip", "mm", 30.0, 15.0, 50.0, "from above the punctum past the canthus"),
+        Parameter(
+            "length", "length from tip to tip", "mm", 30.0, 15.0, 50.0, "from above the punctum past the canthus"
+        ),
         Parameter("width", "greatest height of what is cut out", "mm", 8.0, 2.0, 20.0, _MARKING),
         Parameter("arch", "rise of the lower line over its chord", "mm", 2.5, 0.0, 6.0, "follows the crease"),
         Parameter("tail", "height of the lateral tip over the medial one", "mm", 2.0, 0.0, 8.0, "along a smile line"),
