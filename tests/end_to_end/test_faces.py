@@ -85,9 +85,9 @@ def test_a_keystone_flap_goes_into_its_defect_on_the_bed_that_carries_it(tmp_pat
     assert report(result)["seams"][-1]["open_area_mm2"] < 20.0  # of 400 mm²
 
 
-def test_a_contracted_scar_is_shorter_before_its_z_plasty_than_its_skin_was() -> None:
+def test_a_contracted_scar_pulls_across_the_lines_of_the_skin() -> None:
     procedure = script().build("neck_z_plasty", spacing=2.5)
     regions = {region.material: region for region in procedure.tissue.regions}
     assert len(procedure.tissue.subsets[regions["scar"].faces]) > 20
     along, across = procedure.material("scar").prestretch
-    assert across > along > 1.0  # the band crosses the lines of the skin
+    assert across > max(along, 1.02)  # the band crosses the lines of the skin
