@@ -28,8 +28,8 @@ constexpr int kMaxLinearIterations = 120;
 // tolerance, which leaves many orders to go, at 1 %.
 constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMaxTolerance = 0.1;
 constexpr double kForcing = 0.3;
-constexpr double kNear = 30.0;  // tolerances of the residual, but 3 % at most
-constexpr double kMostNear = 3e-2;
+constexpr double kNearPerTolerance = 30.0;  // tolerances of the residual, but 3 % at most
+constexpr double kMaxNearTolerance = 3e-2;
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
 // A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
 constexpr double kRoundedResidual = 0.1;
@@ -333,7 +333,8 @@ class EquilibriumSearch {
   }
 
   double least_tolerance() const {
-    return jumped_ ? kFarTolerance : std::clamp(kNear * options_.tolerance, kNearTolerance, kMostNear);
+    return jumped_ ? kFarTolerance
+                   : std::clamp(kNearPerTolerance * options_.tolerance, kNearTolerance, kMaxNearTolerance);
   }
 
   void set_right_hand_side(bool carries) {
