@@ -31,17 +31,11 @@ class ModeSearch {
 
   LowestMode<Real> run(const LowestModeSearch& search) {
     set_noise(other_.shape);
-    const bool with_waves = preconditioner_.has_modes();
-    if (with_waves) add_coarse_noise(other_.shape);
     measure(other_);
     if (!(dot<Real>(other_.shape, other_.softening) > 0.0)) return {};
     linearize(PsdProjection::kClamp);
     preconditioner_.refresh(u_);
-    if (!with_waves && preconditioner_.has_modes()) {
-      add_coarse_noise(mode_.shape);
-      measure(mode_);
-      add<Real>(Real(1), mode_.softening, other_.softening);
-    }
+    if (!preconditioner_.is_smoother_only()) add_coarse_noise();
     // The first step is one of the power method: the noise itself says nothing.
     precondition(other_.softening, mode_.shape);
     measure(mode_);
@@ -83,13 +77,14 @@ class ModeSearch {
     return static_cast<Real>(hash >> 8) / static_cast<Real>(1U << 24) - Real(0.5);
   }
 
-  // Adds noise on the rigid modes of the coarse level: long waves have too small a part in the other.
-  void add_coarse_noise(std::vector<Real>& shape) {
+  // Adds what N makes of noise on the rigid modes of the coarse level: long waves have too small a part in the other.
+  void add_coarse_noise() {
     auto& modes = preconditioner_.modes();
-    std::vector<Real> amplitudes(modes.unknowns()), waves(size_);
+    std::vector<Real> amplitudes(modes.unknowns());
     for_each_index(amplitudes.size(), [&](std::size_t i) { amplitudes[i] = noise(i); });
-    modes.prolong(amplitudes, waves);
-    add<Real>(Real(1), waves, shape);
+    modes.prolong(amplitudes, mode_.shape);
+    measure(mode_);
+    add<Real>(Real(1), mode_.softening, other_.softening);
   }
 
   // A tangent costs as much as two products: what needs the present one comes first.
