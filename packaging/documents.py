@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
 TISSUES = "docs/tissues.md"
 FLAPS, ATLAS = "docs/flaps.md", ROOT / "docs" / "atlas.json"
+LITERATURE, COMPARED = "docs/literature.md", ROOT / "docs" / "literature.json"
 SKIPPED = {"build", "dist", "node_modules"}
 LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
@@ -97,6 +98,7 @@ def main(arguments: list[str]) -> int:
         return 2
     from lappet.commands.cli import cli
     from lappet.reports.atlas.page import flap_page
+    from lappet.reports.literature.page import literature_page
     from lappet.reports.tissues.page import tissue_page
 
     problems = []
@@ -107,6 +109,7 @@ def main(arguments: list[str]) -> int:
         robustness_page.PAGE: robustness_page.robustness_page(),
         TISSUES: tissue_page(),
         FLAPS: flap_page(json.loads(ATLAS.read_text(encoding="utf-8"))),
+        LITERATURE: literature_page(json.loads(COMPARED.read_text(encoding="utf-8"))),
     }
     for name, text in pages.items():
         page = ROOT / name
