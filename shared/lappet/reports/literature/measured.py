@@ -126,7 +126,7 @@ def greatest_of(result: SolveResult, closure: str, *, others: bool = False) -> M
     result
         A solve.
     closure
-        What its name ends with.
+        What its name has in it.
     others
         Whether all other closures are meant instead.
 
@@ -136,7 +136,7 @@ def greatest_of(result: SolveResult, closure: str, *, others: bool = False) -> M
         The force in mN.
     """
     sums = result.measures[-1].sums
-    rows = [row for row in (sums.closures if sums else ()) if row.closure.endswith(closure) is not others]
+    rows = [row for row in (sums.closures if sums else ()) if (closure in row.closure) is not others]
     if not rows:
         return Measured(math.nan)
     most = max(rows, key=lambda row: row.greatest_mn)

@@ -13,7 +13,7 @@ from lappet.designs.z_plasty_design import z_plasty
 from lappet.procedure import Incision, Landmark, Point, Procedure, Undermine
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.presets.preset import Preset
-from lappet.tissue.presets.skin import FACE, SCALP, TRUNK
+from lappet.tissue.presets.skin import CHEEK, SCALP, TRUNK
 
 ALONG, ACROSS = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # directions of the skin lines; a design's own is x
 LIMB = 20.0  # mm, of a Z-plasty
@@ -169,8 +169,8 @@ OPERATIONS: dict[str, Callable[[float], Procedure]] = {
     "fusiform-across": _excision(TRUNK, ACROSS),
     "fusiform-held": _excision(TRUNK, undermined=False),
     "fusiform-across-held": _excision(TRUNK, ACROSS, undermined=False),
-    "fusiform-face": _excision(FACE),
-    "fusiform-face-held": _excision(FACE, undermined=False),
+    "fusiform-cheek": _excision(CHEEK),
+    "fusiform-cheek-held": _excision(CHEEK, undermined=False),
     "fusiform-scalp": _excision(SCALP),
     "cut-along": partial(straight_cut, ALONG),
     "cut-across": partial(straight_cut, ACROSS),

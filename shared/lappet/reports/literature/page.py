@@ -24,7 +24,7 @@ lappet report literature z-plasty-gain-60 -o DIR     # some of them
 
 No preset of the skin is fitted to any of these rows, and none of them may be: a disagreement says what to look at next.
 A number *agrees* where it lies in the published range, and is *within its error* where its estimated error reaches into
-it. Forces leave out the sutures that the lattice does not resolve. Where a paper has words instead of a number, the bound was chosen here, and the row says so. The numbers were
+it; it is *too uncertain* where that error is larger than the number itself and could make it either. Forces leave out the sutures that the lattice does not resolve. Where a paper has words instead of a number, the bound was chosen here, and the row says so. The numbers were
 collected from papers, abstracts and textbooks that quote them; look at the paper before you quote one.
 """
 
@@ -70,6 +70,7 @@ def literature_page(results: Mapping[str, Any]) -> str:
 _COUNTED = {
     Verdict.AGREES: "agree",
     Verdict.WITHIN_ERROR: "agree within their error",
+    Verdict.UNCERTAIN: "are too uncertain to say",
     Verdict.DISAGREES: "disagree",
     Verdict.NOT_SOLVED: "were not solved",
 }

@@ -14,6 +14,7 @@ class Verdict(StrEnum):
 
     AGREES = "agrees"
     WITHIN_ERROR = "within its error"
+    UNCERTAIN = "too uncertain"
     DISAGREES = "disagrees"
     NOT_SOLVED = "not solved"
 
@@ -83,8 +84,11 @@ class Published:
         """
         if value is None or math.isnan(value):
             return Verdict.NOT_SOLVED
-        if self.least <= value <= self.most:
+        low, high = value - (error or 0.0), value + (error or 0.0)
+        if self.least <= low and high <= self.most:
             return Verdict.AGREES
-        if error is not None and self.least <= value + error and value - error <= self.most:
-            return Verdict.WITHIN_ERROR
-        return Verdict.DISAGREES
+        if high < self.least or self.most < low:
+            return Verdict.DISAGREES
+        if high - low > 2.0 * abs(value):
+            return Verdict.UNCERTAIN
+        return Verdict.AGREES if self.least <= value <= self.most else Verdict.WITHIN_ERROR

@@ -153,6 +153,7 @@ ROWS = (
         "36 designs simulated",
         "30, 45, 60, 75 and 90° solved",
         Measure(tuple(f"z-plasty-{angle}" for angle in (30, 45, 60, 75, 90)), _peak),
+        "the more a Z-plasty gains on paper, the more the skin around holds it back",
     ),
     _turn(30, 45.0),
     _turn(45, 60.0),
@@ -170,6 +171,8 @@ ROWS = (
         "none below an apex of 30°, which takes 5 : 1; none is read as below 0.5 mm, chosen here",
         "skin of the trunk, 60 × 12 mm along the lines",
         Measure(("fusiform-5",), dog_ear),
+        "0.5 mm was chosen, and what is called a dog-ear by eye was not measured there; its tip angle is 45°, as its "
+        "sides are arcs",
     ),
     Published(
         "fusiform-dog-ear-2-over-5",
@@ -230,15 +233,15 @@ ROWS = (
         Measure(("fusiform-held", "fusiform-3"), _share_off),
     ),
     Published(
-        "undermining-face",
-        "the same in skin of the face",
+        "undermining-cheek",
+        "the same in skin of the cheek",
         "%",
         13.6,
         30.0,
         _PIGLETS,
         "as above",
-        "skin of the face, the same excision",
-        Measure(("fusiform-face-held", "fusiform-face"), _share_off),
+        "skin of the cheek, tauter; the same excision",
+        Measure(("fusiform-cheek-held", "fusiform-cheek"), _share_off),
     ),
     Published(
         "undermining-lines",
@@ -317,6 +320,8 @@ ROWS = (
             ("u-plasty-2", "u-plasty-1"),
             lambda long, short: greatest_of(long, "front").per(greatest_of(short, "front")),
         ),
+        "the forces are those of the front's sutures, which a longer flap shares out with its sides; the undermining "
+        "grows with the flap. Which of these it is was not looked into",
     ),
     Published(
         "advancement-length-3",
@@ -331,6 +336,8 @@ ROWS = (
             ("u-plasty-3", "u-plasty-2"),
             lambda long, short: greatest_of(long, "front").per(greatest_of(short, "front")),
         ),
+        "the forces are those of the front's sutures, which a longer flap shares out with its sides; the undermining "
+        "grows with the flap. Which of these it is was not looked into",
     ),
     Published(
         "limberg-donor",

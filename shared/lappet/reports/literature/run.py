@@ -158,4 +158,6 @@ def value_text(value: float | None, error: float | None, unit: str) -> str:
     """
     if value is None:
         return ""
-    return (f"{value:.3g}" if error is None else f"{value:.3g} ± {error:.1g}") + (f" {unit}" if unit else "")
+    return (f"{value:.3g}" if error is None else f"{value:.3g} ± {float(f'{error:.1g}'):g}") + (
+        f" {unit}" if unit else ""
+    )
