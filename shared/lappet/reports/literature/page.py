@@ -24,8 +24,10 @@ lappet report literature z-plasty-gain-60 -o DIR     # some of them
 
 No preset of the skin is fitted to any of these rows, and none of them may be: a disagreement says what to look at next.
 A number *agrees* where it lies in the published range, and is *within its error* where its estimated error reaches into
-it; it is *too uncertain* where that error is larger than the number itself and could make it either. Forces leave out the sutures that the lattice does not resolve. Where a paper has words instead of a number, the bound was chosen here, and the row says so. The numbers were
-collected from papers, abstracts and textbooks that quote them; look at the paper before you quote one.
+it; it is *too uncertain* where that error is larger than the number itself and could make it either. Forces leave out
+the sutures that the lattice does not resolve. Where a paper has words instead of a number, the bound was chosen here,
+and the row says so. The numbers were collected from papers, abstracts and textbooks that quote them; look at the paper
+before you quote one.
 """
 
 
