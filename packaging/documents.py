@@ -2,8 +2,9 @@
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
 problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md`
-from the flap library and its last atlas, and `docs/robustness.md` from its last results. Both check that every
-relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a heading.
+from the flap library and its last atlas, `docs/literature.md` from the literature's rows and their last run, and
+`docs/robustness.md` from its last results. Both check that every relative link and picture of every Markdown file of
+the repository leads to a file, and every anchor to a heading.
 `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
