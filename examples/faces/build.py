@@ -51,6 +51,13 @@ OPERATIONS = {
         "eyelids", "upper-lid", (-32.0, 139.0, 742.3), (-1.0, 0.0, 0.0), {"length": 28.0, "width": 4.5}, targets=HOODED
     ),
     "ala_nasolabial": Operation("midface", "nasolabial", (-15.5, 146.0, 700.0), (0.3, 0.3, -0.9), {"diameter": 7.0}),
+    "nose_dorsal": Operation(
+        "midface",
+        "dorsal-nasal",
+        (0.0, 157.5, 705.0),
+        (0.04, 0.0, 1.0),
+        {"diameter": 9.0, "length": 50.0, "half_width": 11.0, "back_cut": 18.0},
+    ),
     "lip_a_t": Operation(
         "lips",
         "a-t",
