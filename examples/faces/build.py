@@ -56,7 +56,7 @@ OPERATIONS = {
         "dorsal-nasal",
         (0.0, 157.5, 705.0),
         (0.04, 0.0, 1.0),
-        {"diameter": 9.0, "length": 50.0, "half_width": 12.5, "back_cut": 19.0},
+        {"diameter": 9.0, "length": 50.0, "half_width": 11.0, "back_cut": 18.0},
     ),
     "lip_a_t": Operation(
         "lips",

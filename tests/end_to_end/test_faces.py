@@ -25,6 +25,7 @@ NAMES = (
     "temple_o_z",
     "upper_eyelid",
     "ala_nasolabial",
+    "nose_dorsal",
     "lip_a_t",
     "limb_keystone",
     "neck_z_plasty",

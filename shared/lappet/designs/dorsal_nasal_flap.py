@@ -88,52 +88,51 @@ def dorsal_nasal_flap(
     upper = arc(np.zeros(2), r, 60.0, -60.0, _STEP)  # from the pivot's side to D
     lower = arc(np.zeros(2), r, 60.0, 300.0, _STEP)
     apex = np.array([length, 0.0])
-    out, in_ = upper[-1] + (0.1 * length, -1.25 * half_width), np.array([0.65 * length, -0.75 * half_width])
-    side = _bezier(upper[-1], out, in_, apex)
-    back = segment(apex, apex + back_cut * np.array([-np.cos(OFF), np.sin(OFF)]))  # from G to B
-    whole = length_of(side)
+    out, over = upper[-1] + (0.1 * length, -1.25 * half_width), np.array([0.65 * length, -0.75 * half_width])
+    first, second, third = _parted(_bezier(upper[-1], out, over, apex), s)
+    pivot = apex + back_cut * np.array([-np.cos(OFF), np.sin(OFF)])  # B
+    fork = apex + STEM * s / back_cut * (pivot - apex)
+    back = np.vstack([segment(apex, fork)[:-1], segment(fork, pivot)])
     flap, cheek = np.array([0.45 * length, 0.0]), np.array([0.4 * length, -3.0 * half_width])
     brow = apex + np.array([0.2 * length, 0.5 * half_width])
-    front = np.vstack([upper[:-1], part(side, 0.0, s)])
-    stem = part(side[::-1], 0.0, s), part(back, 0.0, STEM * s)
-    tip, corner = plane.spot(apex, flap), front[-1]
+    front = np.vstack([upper[:-1], first])
+    stem = third[::-1], segment(apex, fork)
+    tip, lay = plane.spot(apex, flap), Spot(plane.point((-r, 0.0)), plane.point((0.0, 0.0)))
     aside, near_cheek = (0.0, -0.3 * half_width), (-0.05 * length, -0.3 * half_width)
     pairs = (
         ("donor_stem", (stem[0], cheek), (stem[1], brow)),
-        ("side", (part(side, s, whole), flap), (part(side, 0.0, whole - s), cheek)),
-        ("back", (back, flap), (part(back, STEM * s, length_of(back)), brow)),
+        ("side", (np.vstack([second[:-1], third]), flap), (np.vstack([first[:-1], second]), cheek)),
+        ("back", (back, flap), (segment(fork, pivot), brow)),
     )
     return FlapDesign(
         (plane.excised("defect", np.vstack([lower[:-1], upper[:0:-1]]), np.zeros(2)),),
-        (plane.points(np.vstack([upper[-1:] * (1.0 - NICK / r), side[:-1], back])),),
+        (plane.points(np.vstack([upper[-1:] * (1.0 - NICK / r), first[:-1], second[:-1], third[:-1], back])),),
         (
             Seam("front", (plane.edge(front, 1), plane.edge(lower, -1))),
             *(Seam(name, (plane.edge_beside(*one), plane.edge_beside(*other))) for name, one, other in pairs),
         ),
         (
-            Corner("side", plane.spot(corner, flap), plane.spot(upper[-1], upper[-1] + near_cheek)),
+            Corner("side", plane.spot(front[-1], flap), plane.spot(upper[-1], upper[-1] + near_cheek)),
             Corner("tip", tip, plane.spot(stem[0][-1], stem[0][-1] + aside)),
             Corner("rim", tip, plane.spot(stem[1][-1], stem[1][-1] + 0.1 * (brow - apex))),
         ),
-        (
-            Carry(
-                "front",
-                plane.spot((r, 0.0), (2.0 * r, 0.0)),
-                None,
-                Spot(plane.point((-r, 0.0)), plane.point((0.0, 0.0))),
-            ),
-        ),
+        (Carry("front", plane.spot((r, 0.0), (2.0 * r, 0.0)), None, lay),),
         (plane.point(flap),),
         undermined=0.4,
     )
 
 
+def _parted(curve: NDArray[np.float64], end: float) -> tuple[NDArray[np.float64], ...]:
+    """A curve's first mm, what is between, and as many last ones: seams then end at points of the cut."""
+    whole = length_of(curve)
+    return part(curve, 0.0, end), part(curve, end, whole - end), part(curve, whole - end, whole)
+
+
 def _bezier(*corners: ArrayLike) -> NDArray[np.float64]:
-    """A cubic Bézier curve, points (k, 2) at equal distances."""
+    """A cubic Bézier curve, points (k, 2) close to each other."""
     t = np.linspace(0.0, 1.0, 801)[:, None]
     a, b, c, d = (np.asarray(corner, np.float64) for corner in corners)
-    fine = (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d
-    return part(fine, 0.0, length_of(fine))
+    return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d
 
 
 _RIEGER = "R. A. Rieger, Plast. Reconstr. Surg. 40 (1967) 147"
