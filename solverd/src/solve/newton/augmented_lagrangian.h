@@ -2,9 +2,9 @@
 //
 // While gaps are open the residual need not be below the tolerance: this many tolerances at most, in proportion to the
 // gap. Where a gap does not shrink the residual hides it: solve more exactly. Where it still does not the penalty is
-// soft beside what holds the gap open, as where a coarse lattice can hardly tell neighboring sutures apart: a
-// multiplier closes the share k s / (1 + k s) of it at a time, k the penalty and s the compliance, and the penalty must
-// grow (Nocedal and Wright 2006, algorithm 17.4).
+// soft beside what holds the gap open, as where a coarse lattice can hardly tell neighboring sutures apart, or where a
+// sliver of a held face bears the tension of a whole cell: a multiplier closes the share k s / (1 + k s) of it at a
+// time, k the penalty and s the compliance, and the penalty must grow (Nocedal and Wright 2006, algorithm 17.4).
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -36,7 +36,7 @@ class AugmentedLagrangian {
     previous_residual_ = std::numeric_limits<double>::infinity();
     return Action::kUpdate;
   }
-  // After an update: by how much the penalty of the sutures is to grow, 1 where it is to stay.
+  // After an update: by how much the penalty of what keeps the largest gap is to grow, 1 where it is to stay.
   double stiffening() {
     if (slow_ < kSlowUpdates || previous_gap_ > kNearlyClosed * gap_tolerance_) return 1.0;
     const double wanted = kWantedStiffness * rate_ / std::max(1.0 - rate_, 1e-6);

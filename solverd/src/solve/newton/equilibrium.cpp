@@ -205,8 +205,8 @@ class EquilibriumSearch {
         case AugmentedLagrangian::Action::kUpdate:
           system_.update(multipliers_, u_, now_);
           if (const double factor = augmented_lagrangian_.stiffening(); factor > 1.0) {
-            system_.stiffen_sutures(factor);
-            spdlog::debug("  the penalty of the sutures grows {:.3g} times", factor);
+            system_.stiffen_widest(factor, u_, multipliers_);
+            spdlog::debug("  the penalty of what is open grows {:.3g} times", factor);
           }
           evaluate();
           record();

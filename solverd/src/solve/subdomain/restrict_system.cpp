@@ -120,6 +120,7 @@ std::unique_ptr<System<Real>> System<Real>::restricted(const Lattice& subdomain,
   result->traction_force_ = of_nodes(traction_force_, place.nodes);
   if (contact()) result->contact_ = std::make_unique<Contact>(*contact(), subdomain, place_of_cell);
   result->set_point_constraints(restricted_point_constraints(place, u));
+  if ((result->held_growth_ = held_growth_) != 1.0) result->set_quadratics();
   return result;
 }
 

@@ -46,7 +46,7 @@ template <class Real>
 void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
                                             const Multipliers& multipliers, std::array<double, 25>& out) const {
   const bool held = face.group != kBedGroup;
-  const double stiffness = held ? held_stiffness_ : bed_.shear;
+  const double stiffness = held ? held_stiffness() : bed_.shear;
   const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
   Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
   for (int k = 0; k < 8; ++k) {

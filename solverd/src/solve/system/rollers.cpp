@@ -19,7 +19,7 @@ constexpr double kLoose = 1e-6;
 // Of the penalty, mN/mm: that of a held face over the side of a cell; the multipliers do the rest.
 template <class Real>
 double System<Real>::roller_stiffness() const {
-  return held_stiffness_ * lattice().settings.spacing * lattice().settings.spacing;
+  return held_stiffness() * lattice().settings.spacing * lattice().settings.spacing;
 }
 
 // What is prescribed is held already.

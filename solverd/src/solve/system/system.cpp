@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "lattice/node_field.h"
 #include "math/disjoint_sets.h"
@@ -133,7 +134,7 @@ void System<Real>::set_quadratics() {
     const std::size_t first = matrix_of(face.cell);
     const Eigen::Matrix<double, 8, 8> gram = face.matrix();
     for (std::size_t k = 0; k < 64; ++k)
-      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_.shear) * gram.data()[k]);
+      matrices[first + k] += static_cast<Real>((held ? held_stiffness() : bed_.shear) * gram.data()[k]);
   }
   for (const std::int32_t cell : floating_cells_) {
     const std::size_t first = matrix_of(cell);
@@ -177,7 +178,8 @@ void System<Real>::set_point_constraints(std::vector<PointConstraint> constraint
   }
   point_tangent_.roots.assign(pieces, Eigen::Matrix3d::Zero());
   point_tangent_.rows.assign(rows, Vec3::Zero());
-  if (!same) ++revision_;
+  if (!same || held_growth_ != 1.0) ++revision_;
+  if (std::exchange(held_growth_, 1.0) != 1.0) set_quadratics();
 }
 
 template <class Real>
@@ -311,10 +313,21 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
 
 template <class Real>
 double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const {
+  const double gap = std::max(suture_gap(u, multipliers), held_gap(u));
+  return contact() ? std::max(gap, at.contact.excess) : gap;
+}
+
+template <class Real>
+double System<Real>::suture_gap(std::span<const Real> u, const Multipliers& multipliers) const {
   double gap = 0.0;
   for (const auto& constraint : point_constraints_)
     if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.values(u), multipliers.of(constraint)));
-  if (contact()) gap = std::max(gap, at.contact.excess);
+  return gap;
+}
+
+template <class Real>
+double System<Real>::held_gap(std::span<const Real> u) const {
+  double gap = 0.0;
   for (const RollerRow& row : attachments_.rollers)
     if (acts(row)) gap = std::max(gap, std::abs(off(row, u)));
   if (!has_held_faces_) return gap;
@@ -357,16 +370,20 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
       done[n] = 1;
       const Vec3 off = NodeField(u)[n] - held_displacement(face.group, n);
       for (int i = 0; i < 3; ++i)
-        multipliers.of_held_node[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
+        multipliers.of_held_node[3 * n + static_cast<std::size_t>(i)] += held_stiffness() * off[i];
     }
   }
 }
 
 template <class Real>
-void System<Real>::stiffen_sutures(double factor) {
+void System<Real>::stiffen_widest(double factor, std::span<const Real> u, const Multipliers& multipliers) {
+  ++revision_;
+  if (held_gap(u) > suture_gap(u, multipliers)) {
+    held_growth_ *= factor;
+    return set_quadratics();
+  }
   for (PointConstraint& constraint : point_constraints_)
     if (constraint.exact && constraint.compliance == 0.0) constraint.stiffness *= factor;
-  ++revision_;
 }
 
 template <class Real>

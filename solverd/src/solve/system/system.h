@@ -108,8 +108,9 @@ class System {
   double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
   // lambda += stiffness c, for sutures, held faces and tissue that is too deep in bone. at: the evaluation at u.
   void update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const;
-  // Raises the penalty of the sutures that close exactly; what was evaluated before does not hold any more.
-  void stiffen_sutures(double factor);
+  // Raises the penalty of what keeps the largest gap at u, sutures that close exactly or held faces, until the point
+  // constraints are set again; what was evaluated before does not hold any more.
+  void stiffen_widest(double factor, std::span<const Real> u, const Multipliers& multipliers);
   // Makes room for those of the faces that are held now; zero where they are new.
   void fit(Multipliers& multipliers) const;
   // The force that the tissue beyond each section, where its normal points, has on what lies before it, mN: the
@@ -149,6 +150,9 @@ class System {
   bool acts(const FaceConstraint& face) const {
     return face.group < 0 || retractor_active_[static_cast<std::size_t>(face.group)];
   }
+  double held_stiffness() const { return held_growth_ * held_stiffness_; }
+  double suture_gap(std::span<const Real> u, const Multipliers& multipliers) const;
+  double held_gap(std::span<const Real> u) const;
   // Parts of evaluate: each adds to the gradient and returns its energy, or adds it.
   double add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,
                               std::span<double> gradient) const;
@@ -187,6 +191,7 @@ class System {
   Attachments attachments_;
   BedStiffness bed_;
   double held_stiffness_;
+  double held_growth_ = 1.0;            // of that, where it turned out too soft
   std::vector<double> gravity_force_;   // 3 per node or empty
   std::vector<double> traction_force_;  // likewise
   std::vector<FaceLoad> loads_;
