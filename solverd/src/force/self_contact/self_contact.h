@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "force/constraints/sparse_rows.h"
-#include "force/self_contact/contact_pairs.h"
+#include "force/self_contact/contact_tangent.h"
 
 namespace lappet {
 
@@ -38,7 +38,7 @@ class SelfContact {
   // Adds the gradient of the energy (3 per node). The same for any number of threads.
   template <class Real>
   void evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state);
-  // The tangent of pairs, positive semidefinite: without what comes of pairs that turn.
+  // The tangent of pairs, positive semidefinite: first one row for each pair, then the others (contact_tangent.h).
   SparseRows rows(std::span<const TouchingPair> pairs) const;
   // Adds the gradient of their energy (3 per node).
   void add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const;
@@ -61,6 +61,7 @@ class SelfContact {
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
 
  private:
+  void add_row(const TouchingPair& pair, const TangentRow& row, SparseRows& to) const;
   // Writes where a step begins and goes, and finds the candidates for it.
   template <class Real>
   void cover(std::span<const Real> u, std::span<const Real> step, double most);
