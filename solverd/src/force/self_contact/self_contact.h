@@ -56,11 +56,15 @@ class SelfContact {
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most);
 
   double stiffness() const { return stiffness_; }
+  // Of two walls that sutures hold together, mm.
+  double distance_of_walls() const { return kShareOfReach * surface_.reach(); }
   const ContactSurface& surface() const { return surface_; }
   const ContactCandidates& candidates() const { return candidates_; }
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
 
  private:
+  static constexpr double kShareOfReach = 0.6;
+
   void add_row(const TouchingPair& pair, const TangentRow& row, SparseRows& to) const;
   // Writes where a step begins and goes, and finds the candidates for it.
   template <class Real>
