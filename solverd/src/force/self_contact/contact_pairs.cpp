@@ -13,7 +13,7 @@ namespace {
 using Kind = TriangleFeature::Kind;
 
 // Of the barrier of edges, in those of vertices and faces: a ridge bears at one pair what a face does at many.
-constexpr double kEdgeStiffness = 10.0;
+constexpr double kEdgeStiffness = 1.0;
 constexpr std::size_t kPairsPerChunk = 256;
 
 // A barrier of weight `area`, of the vector between the closest points.
