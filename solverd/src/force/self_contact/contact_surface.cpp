@@ -98,8 +98,6 @@ double ContactSurface::reach_to(Index vertex, Index triangle) const {
   if (a == vertex || b == vertex || c == vertex) return 0.0;
   const double apart = std::sqrt(closest_on_triangle(rest_[vertex], rest_[a], rest_[b], rest_[c]).squared_distance);
   if (!(apart > kTouchesAtRest)) return 0.0;
-  if (apart < 1.0 * lattice_.settings.spacing && in_one_piece(std::array{vertex}, triangles_[triangle]))
-    return 0.0;
   return std::min(reach_, kShareOfRest * apart);
 }
 
@@ -109,7 +107,6 @@ double ContactSurface::reach_of(Index edge, Index other) const {
   const auto [a, b, c, d] = at(rest_, ends);
   const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
   if (!(apart > kTouchesAtRest)) return 0.0;
-  if (apart < 1.0 * lattice_.settings.spacing && in_one_piece(edges_[edge], edges_[other])) return 0.0;
   return std::min(kEdgeShare * reach_, kEdgeShareOfRest * apart);
 }
 

@@ -9,12 +9,13 @@ namespace lappet {
 
 namespace {
 
-// From how many spacings on surfaces keep apart: wide enough that a Newton step sees what comes near before it is cut.
-constexpr double kReach = 0.1;
+// From how many spacings on surfaces keep apart.
+constexpr double kReach = 0.05;
 // By how many spacings the surface may move before pairs are looked for again.
 constexpr double kSlack = 0.1;
-// Of the barrier, in Young's moduli: surfaces at a tenth of the reach press on each other with about an eighth of one.
-constexpr double kStiffness = 0.5;
+// Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 0.3 of one. Softer, a corner
+// bears its load at a thousandth of the reach only, where a Newton step leads nowhere.
+constexpr double kStiffness = 0.25;
 constexpr std::size_t kPairsPerChunk = 128;
 
 // The least of the shares that body(k, most) finds for each pair, given what is left of the step so far.
@@ -59,19 +60,6 @@ void SelfContact::evaluate(std::span<const Real> u, std::span<double> gradient, 
   state.energy = 0.0;
   for (const TouchingPair& pair : state.pairs) state.energy += pair.energy;
   add_gradient(state.pairs, gradient);
-  if (getenv("LAPPET_TRACE")) {  // TRACE
-    const TouchingPair* worst = nullptr;
-    for (const auto& p : state.pairs) if (!worst || p.distance < worst->distance) worst = &p;
-    const TouchingPair* most = nullptr;
-    for (const auto& p : state.pairs) if (!most || std::abs(p.slope) > std::abs(most->slope)) most = &p;
-    int deep = 0; for (const auto& p : state.pairs) deep += p.distance < 0.1 * surface_.reach();
-    for (const auto* p : {worst, most}) if (p) {
-      int n = 0; while (n < 4 && p->vertices[n] >= 0) ++n;
-      Vec3 r = surface_.rest(p->vertices[0]), q = surface_.rest(p->vertices[std::min(n - 1, 2)]);
-      int edge = n == 4 && p->weights[1] >= 0.0;
-      fprintf(stderr, "TRACE pairs %zu deep %d energy %.3g %s n %d edge %d d %.2e slope %.2e stiff %.2e rest (%.2f %.2f %.2f) (%.2f %.2f %.2f)\n", state.pairs.size(), deep, state.energy, p == worst ? "near" : "most", n, edge, p->distance, p->slope, p->stiffness, r[0], r[1], r[2], q[0], q[1], q[2]);
-    }
-  }
 }
 
 void SelfContact::add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const {
