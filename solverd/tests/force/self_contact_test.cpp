@@ -230,7 +230,7 @@ TEST(SelfContact, TheGradientIsThatOfTheEnergyWhereVerticesFacesAndEdgesTouch) {
 // left out of the tangent.
 TEST(SelfContact, TheTangentOfFlatSurfacesIsThatOfTheGradient) {
   TwoBoxes boxes(0.4);
-  boxes.move(Vec3(0, 0, -0.38));
+  boxes.move(Vec3(0, 0, -0.37));
   const SelfContactState state = boxes.evaluate();
   ASSERT_TRUE(state.touches());
   const SparseRows rows = boxes.contact().rows(state.pairs);
