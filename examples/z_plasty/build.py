@@ -25,7 +25,7 @@ ROWS = (("deep", 0.8, 10, TRANSPOSED), ("dermal", 3.4, 14, TRANSPOSED), ("skin",
 # The ways of the hooks: time code, degrees by which the flap is turned up about its base, share of the way over. The
 # first flap is turned back out of the way of the second, which passes below it and is laid down first.
 INSIDE = 1.5  # mm from a flap's tip to its hook
-LAID_INSIDE = 2.5  # mm from the corner of the wound to where the hook is laid
+LAID_SHORT = 4.0  # mm from the corner of the wound to where the hook is laid, along the edge that the flap meets
 Way = tuple[tuple[float, float, float], ...]
 TURNED_BACK: Way = ((13, 105.0, 0.0), (19, 105.0, 0.0), (23, 45.0, 0.6), (26, 0.0, 1.0))
 PASSES_BELOW: Way = ((12, 45.0, 0.0), (17, 38.0, 0.7), (20, 0.0, 1.0))
@@ -68,13 +68,13 @@ def sutures(design: ZPlasty) -> list[Event]:
     return events
 
 
-def hook(name: str, tip: np.ndarray, base: np.ndarray, to: np.ndarray, middle: np.ndarray, way: Way) -> Hook:
-    """Turns a flap up about its base by its tip, carries it over and lays it down at `to`."""
+def hook(name: str, tip: np.ndarray, base: np.ndarray, to: np.ndarray, edge: np.ndarray, way: Way) -> Hook:
+    """Turns a flap up about its base by its tip, carries it over and lays it down near `to`, on the side of `edge`."""
     inward = base - tip
     length = float(np.linalg.norm(inward)) - INSIDE
     inward = inward / np.linalg.norm(inward)
     anchor = tip + INSIDE * inward
-    lay = to + LAID_INSIDE * (middle - to) / np.linalg.norm(middle - to)
+    lay = to + LAID_SHORT * (edge - to) / np.linalg.norm(edge - to)
     targets = [(float(LIFT), point(anchor))]
     for time, turned, over in way:
         angle = np.radians(turned)
@@ -91,8 +91,8 @@ def build() -> Procedure:
     events: list[Event] = [
         Incision("incision", INCISE, design.curve, kerf=KERF),
         Undermine("undermining", UNDERMINE, oval((0.0, 0.0, THICKNESS), 30.0, 48.0, (1.0, 0.0, 0.0))),
-        hook("hook_1", b, (a + c) / 2, d, (a + c + d) / 3, TURNED_BACK),
-        hook("hook_2", c, (b + d) / 2, a, (a + b + d) / 3, PASSES_BELOW),
+        hook("hook_1", b, (a + c) / 2, d, c, TURNED_BACK),
+        hook("hook_2", c, (b + d) / 2, a, b, PASSES_BELOW),
         *sutures(design),
         # Beside the wound, and on the two flaps: what to measure.
         Landmark("scar_ends", (point(b + np.array([2.5, 0, 0])), point(c - np.array([2.5, 0, 0]))), "scar end"),
