@@ -67,57 +67,11 @@ void ContactSurface::find_areas() {
   for (double& area : area_of_edge_) area = std::max(area, kMinEdgeArea * face);
 }
 
-// Cells that have the same nodes wherever they have the same corners.
-bool ContactSurface::is_uncut(Index cell, Index other) const {
-  if (cell == other) return true;
-  const GridPoint& at = lattice_.cell_position(cell);
-  const GridPoint& of_other = lattice_.cell_position(other);
-  std::array<Index, 3> off;
-  for (std::size_t i = 0; i < 3; ++i) {
-    off[i] = of_other[i] - at[i];
-    if (std::abs(off[i]) > 1) return false;
-  }
-  for (Index c = 0; c < 8; ++c) {
-    const std::array<Index, 3> corner{(c >> 2 & 1) - off[0], (c >> 1 & 1) - off[1], (c & 1) - off[2]};
-    if (std::ranges::any_of(corner, [](Index i) { return i < 0 || i > 1; })) continue;
-    if (lattice_.cell_nodes[cell][c] != lattice_.cell_nodes[other][4 * corner[0] + 2 * corner[1] + corner[2]])
-      return false;
-  }
-  return true;
-}
-
-// Whether triangles that are near a point at rest lead from one to another of some.
-bool ContactSurface::leads_along(std::span<const Index> from, std::span<const Index> to, const Vec3& near,
-                                 double within) const {
-  std::vector<Index> seen(from.begin(), from.end());
-  for (std::size_t k = 0; k < seen.size(); ++k) {
-    if (seen[k] < 0) continue;
-    if (std::ranges::find(to, seen[k]) != to.end()) return true;
-    for (const Index edge : edges_of_triangle_[seen[k]])
-      for (const Index next : triangles_of_edge_[edge]) {
-        if (next < 0 || std::ranges::find(seen, next) != seen.end()) continue;
-        const auto [a, b, c] = rest_of(next);
-        if (closest_on_triangle(near, a, b, c).squared_distance <= within * within) seen.push_back(next);
-      }
-  }
-  return false;
-}
-
-bool ContactSurface::in_one_piece(std::span<const Index> first, std::span<const Index> second) const {
-  for (const Index v : first)
-    for (const Index w : second)
-      if (!is_uncut(embedded(v).cell, embedded(w).cell)) return false;
-  return true;
-}
-
 double ContactSurface::reach_to(Index vertex, Index triangle) const {
   const auto& [a, b, c] = triangles_[triangle];
   if (a == vertex || b == vertex || c == vertex) return 0.0;
   const double apart = std::sqrt(closest_on_triangle(rest_[vertex], rest_[a], rest_[b], rest_[c]).squared_distance);
   if (!(apart > kTouchesAtRest)) return 0.0;
-  if (apart < kSliver * lattice_.settings.spacing && in_one_piece(std::array{vertex}, triangles_[triangle]) &&
-      leads_along(around_[vertex], std::array{triangle}, rest_[vertex], kAround * apart))
-    return 0.0;
   return std::min(reach_, kShareOfRest * apart);
 }
 
@@ -127,11 +81,6 @@ double ContactSurface::reach_of(Index edge, Index other) const {
   const auto [a, b, c, d] = at(rest_, ends);
   const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
   if (!(apart > kTouchesAtRest)) return 0.0;
-  if (apart < kSliver * lattice_.settings.spacing && in_one_piece(edges_[edge], edges_[other])) {
-    const ClosestOnSegments closest = closest_on_segments(a, b, c, d);
-    if (leads_along(triangles_of_edge_[edge], triangles_of_edge_[other], a + closest.first * (b - a), kAround * apart))
-      return 0.0;
-  }
   return std::min(kEdgeShare * reach_, kEdgeShareOfRest * apart);
 }
 

@@ -3,10 +3,7 @@
 //
 // The barrier of a pair begins where the surfaces come as near as `reach`, but never farther than a share of what the
 // two are apart at rest: it is zero there, however thin a cut is. A wall of a cut therefore keeps less apart from the
-// wall that it was cut from than from any other tissue. Primitives that all but touch at rest never count as a pair,
-// nor do slivers of one wall: in one cell, or in neighbors that no cut parts, with triangles around the two that lead
-// from the one to the other. They come as near as the cells around them are compressed, but meet only where those turn
-// inside out.
+// wall that it was cut from than from any other tissue. Primitives that all but touch at rest never count as a pair.
 #pragma once
 #include <array>
 #include <span>
@@ -23,8 +20,6 @@ namespace lappet {
 inline constexpr double kShareOfRest = 0.5;
 // Closer at rest, mm, is touching: positions in single precision tell no more apart.
 inline constexpr double kTouchesAtRest = 1e-3;
-// Slivers are closer at rest, in spacings, and the triangles around them are as near as so many times their distance.
-inline constexpr double kSliver = 0.1, kAround = 4.0;
 // Two edges keep apart from these shares of the reach or of their distance at rest on: faces carry the pressure, edges
 // stand in only where one ridge meets another.
 inline constexpr double kEdgeShare = 0.5, kEdgeShareOfRest = 0.2;
@@ -79,9 +74,6 @@ class ContactSurface {
   // Of two edges; 0: they do not count.
   double reach_of(Index edge, Index other) const;
 
-  // Whether two primitives lie in cells that no cut parts.
-  bool in_one_piece(std::span<const Index> first, std::span<const Index> second) const;
-
   // The tree over its triangles, at rest until it is refitted.
   const BoxTree& tree() const { return tree_; }
   void refit(std::span<const Vec3> places, std::span<const Vec3> ways) { tree_.refit(places, ways); }
@@ -93,8 +85,6 @@ class ContactSurface {
   std::size_t bytes() const;
 
  private:
-  bool is_uncut(Index cell, Index other) const;
-  bool leads_along(std::span<const Index> from, std::span<const Index> to, const Vec3& near, double within) const;
   void find_edges();
   void find_areas();
 
