@@ -15,8 +15,6 @@ constexpr double kSuturePenalty = 50.0;
 constexpr double kMaxPenalty = 1000.0;
 // Walls face each other from this cosine between their normals on.
 constexpr double kFacing = -0.3;
-// How far before its wall each end of a suture lies, as a share of the distance of walls.
-constexpr double kBeforeWall = 0.85;
 
 // How far a thread was drawn if it were as long as its ends are apart now.
 double closure_of(const SutureState& suture, double placed, double now) {
@@ -207,7 +205,7 @@ const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_betwee
     }
   if (!nearest) return nullptr;
   const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
-    const Vec3 beyond = (wall.depth + kBeforeWall * contact->distance_of_walls()) * wall.normal;
+    const Vec3 beyond = (wall.depth + 0.5 * contact->distance_of_walls()) * wall.normal;
     return stencil_maker_->around(anchor.point, anchor.triangle, beyond);
   };
   return &ends_between_walls_
