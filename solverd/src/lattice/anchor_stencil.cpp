@@ -106,8 +106,7 @@ std::vector<AnchorStencils::Wall> AnchorStencils::walls_near(const Vec3& point, 
       continue;
     const auto& corners = surface_.triangles[t];
     const Vec3& a = surface_.points[corners[0]];
-    Wall wall{a, surface_.points[corners[1]] - a, surface_.points[corners[2]] - a, Vec3::Zero(),
-              to_index(t)};
+    Wall wall{a, surface_.points[corners[1]] - a, surface_.points[corners[2]] - a, Vec3::Zero(), to_index(t)};
     wall.normal = wall.first.cross(wall.second);
     if (wall.normal.squaredNorm() == 0.0) continue;
     wall.normal.normalize();

@@ -49,8 +49,8 @@ class AnchorStencils {
   // The faces of the surface that an anchor lies below, within the radius, of those that look about the same way the
   // nearest.
   struct Facing {
-    Vec3 normal;      // outwards, at rest
-    double depth;     // of the anchor, mm
+    Vec3 normal;   // outwards, at rest
+    double depth;  // of the anchor, mm
     Index triangle;
   };
   std::vector<Facing> faces_above(const Vec3& anchor) const;

@@ -229,7 +229,8 @@ Vec3 FrameConstraints<Real>::normal_now(Index triangle, std::span<const Real> u)
 template <class Real>
 Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<const Real> u) const {
   const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
-  if (suture.inner.empty()) return position<Real>(lattice_, *stencils[0], u) - position<Real>(lattice_, *stencils[1], u);
+  if (suture.inner.empty())
+    return position<Real>(lattice_, *stencils[0], u) - position<Real>(lattice_, *stencils[1], u);
   double length = 0.0;
   for (std::size_t k = 0; k + 1 < stencils.size(); ++k)
     length += (position<Real>(lattice_, *stencils[k], u) - position<Real>(lattice_, *stencils[k + 1], u)).norm();

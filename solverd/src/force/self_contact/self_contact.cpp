@@ -13,8 +13,8 @@ namespace {
 constexpr double kReach = 0.05;
 // By how many spacings the surface may move before pairs are looked for again.
 constexpr double kSlack = 0.1;
-// Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 0.3 of one. Softer, a corner
-// bears its load at a thousandth of the reach only, where a Newton step leads nowhere.
+// Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 0.3 of one. Softer, a
+// corner bears its load at a thousandth of the reach only, where a Newton step leads nowhere.
 constexpr double kStiffness = 0.25;
 constexpr std::size_t kPairsPerChunk = 128;
 

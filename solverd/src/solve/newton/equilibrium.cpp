@@ -397,7 +397,8 @@ class EquilibriumSearch {
       return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}{}",
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, minimum_j, linear_.iterations,
-                  linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio, contacts());
+                  linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio,
+                  contacts());
     return true;
   }
 
