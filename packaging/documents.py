@@ -2,8 +2,9 @@
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
 problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md`
-from the flap library and its last atlas, and `docs/robustness.md` from its last results. Both check that every
-relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a heading.
+from the flap library and its last atlas, `docs/literature.md` from the literature's rows and their last run, and
+`docs/robustness.md` from its last results. Both check that every relative link and picture of every Markdown file of
+the repository leads to a file, and every anchor to a heading.
 `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
@@ -27,6 +28,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
 TISSUES = "docs/tissues.md"
 FLAPS, ATLAS = "docs/flaps.md", ROOT / "docs" / "atlas.json"
+LITERATURE, COMPARED = "docs/literature.md", ROOT / "docs" / "literature.json"
 SKIPPED = {"build", "dist", "node_modules"}
 LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
@@ -97,6 +99,7 @@ def main(arguments: list[str]) -> int:
         return 2
     from lappet.commands.cli import cli
     from lappet.reports.atlas.page import flap_page
+    from lappet.reports.literature.page import literature_page
     from lappet.reports.tissues.page import tissue_page
 
     problems = []
@@ -107,6 +110,7 @@ def main(arguments: list[str]) -> int:
         robustness_page.PAGE: robustness_page.robustness_page(),
         TISSUES: tissue_page(),
         FLAPS: flap_page(json.loads(ATLAS.read_text(encoding="utf-8"))),
+        LITERATURE: literature_page(json.loads(COMPARED.read_text(encoding="utf-8"))),
     }
     for name, text in pages.items():
         page = ROOT / name

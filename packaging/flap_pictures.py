@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import sys
 from pathlib import Path
 
@@ -14,9 +13,15 @@ QUALITY = 85
 
 
 def main(folder: Path) -> None:
-    """Copy the results, and the filmstrip of each design as JPEG."""
+    """Copy the results, and the filmstrip of each design as JPEG; designs that the run left out keep their rows."""
     results = json.loads((folder / "atlas.json").read_text(encoding="utf-8"))
-    shutil.copyfile(folder / "atlas.json", DOCS / "atlas.json")
+    before = json.loads((DOCS / "atlas.json").read_text(encoding="utf-8"))
+    solved = {row["name"] for row in results["rows"]}
+    kept = [row for row in before["rows"] if row["name"] not in solved]
+    if kept and before["spacing_mm"] != results["spacing_mm"]:
+        sys.exit(f"The rows kept are at {before['spacing_mm']} mm: run the atlas at that spacing, or for all designs.")
+    together = json.dumps({**results, "rows": [*kept, *results["rows"]]}, indent=1, ensure_ascii=False)
+    (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
     pictures = DOCS / "images" / "flaps"
     pictures.mkdir(parents=True, exist_ok=True)
     for row in results["rows"]:

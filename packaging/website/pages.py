@@ -36,6 +36,7 @@ CONTENTS = (
             "docs/anatomy.md",
             "docs/tissues.md",
             "docs/flaps.md",
+            "docs/literature.md",
             "docs/problem*.md",
             "docs/reports.md",
             "docs/performance.md",

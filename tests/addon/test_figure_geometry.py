@@ -12,7 +12,7 @@ import pytest
 
 import synthetic_skin_cache as synthetic
 from lappet_blender.figure.figure_steps import hook_height, story_steps
-from lappet_blender.figure.framing import FIELD_FILL, WIDEST, surgical_field, viewpoint, widened
+from lappet_blender.figure.framing import FIELD_FILL, NEARER, WIDEST, surgical_field, viewpoint, widened
 from lappet_blender.look.dashed_line import DASH, GAP, dashes
 from lappet_blender.look.hook_path import ELEVATION, hook_directions, hook_path
 from lappet_blender.look.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
@@ -239,8 +239,18 @@ def test_a_body_around_a_wound_is_shown_with_its_top_up_and_the_wound_stays_in_s
     wide = widened(on_side, tissue)
     np.testing.assert_allclose(wide.up, (0.0, 0.0, 1.0), atol=1e-12)
     np.testing.assert_allclose(np.cross(wide.up, wide.normal), wide.right, atol=1e-12)
-    assert wide.context == pytest.approx(2.0)
-    assert wide.fill == pytest.approx((FIELD_FILL[0] / 2.0, FIELD_FILL[1] / 2.0))
-    assert widened(field, 100.0 * tissue).context == WIDEST
+    twice = 2.0**NEARER
+    assert wide.context == pytest.approx(twice)
+    assert wide.fill == pytest.approx((FIELD_FILL[0] / twice, FIELD_FILL[1] / twice))
+    assert widened(field, 100.0 * tissue).context == pytest.approx(WIDEST**NEARER)
     assert widened(field, 0.1 * tissue).context == 1.0
     np.testing.assert_allclose(widened(field, tissue).up, (0.0, 1.0, 0.0), atol=1e-12)  # seen from above
+
+
+def test_skin_of_a_body_that_faces_down_is_drawn_from_above(cache: SkinCache) -> None:
+    field = surgical_field(cache, cache.frames)
+    for normal, up, above in (((0.0, 0.8, -0.6), (0.0, 0.6, 0.8), True), ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), False)):
+        lid = replace(field, context=2.0, normal=np.array(normal), up=np.array(up), right=np.array([-1.0, 0.0, 0.0]))
+        view = viewpoint(lid, "oblique", (0.2, 0.15))
+        assert (view.axes[2][2] > normal[2]) == above  # the camera stands higher, or lower, than along the normal
+        assert view.axes[1][2] > 0.5  # the patient's head is up

@@ -40,7 +40,7 @@ def solved(lattice: LatticeCounts = LATTICE, **changes: Any) -> SolvedFrame:
         largest_gap=1e-5,
         minimum_j=0.9,
         peak_bytes=1000.0,
-        seconds=StageSeconds(total=2.0, linear=1.5),
+        seconds=StageSeconds(total=2.0, linear=1.5, stability=0.0625),
         work=WORK,
     )
     return SolvedFrame(1.0, np.zeros((1, 3), np.float32), diagnostics=replace(plain, **changes), lattice=lattice)
@@ -68,7 +68,7 @@ def test_a_row_sums_work_and_takes_the_worst_of_the_frames() -> None:
     assert (found.cells, found.mesh_cells, found.nodes) == (120, 40, 190)
     assert (found.newton_iterations, found.newton_median, found.pcg_iterations) == (14, 4, 90)
     assert found.solver_seconds == 6.0
-    assert found.linear_seconds == 4.5
+    assert (found.linear_seconds, found.stability_seconds) == (4.5, 0.1875)
     assert found.newton_iteration_s == pytest.approx(6.0 / 14)
     assert (found.residual, found.largest_gap_mm, found.minimum_j) == (5e-4, 2e-4, 0.4)
     assert found.peak_bytes == 2400

@@ -180,8 +180,8 @@ def test_required_arrays_are_checked_by_name_kind_and_shape() -> None:
 
 
 def test_fields_are_checked_by_name_and_kind() -> None:
-    told = {"update": 1, "linear": 0.5, "setup": 0.0, "total": 1.5, "more": "not read"}
-    assert read_fields(StageSeconds, told, "frame.seconds") == StageSeconds(1.0, 0.5, 0.0, 1.5)
+    told = {"update": 1, "linear": 0.5, "setup": 0.0, "stability": 0.25, "total": 1.5, "more": "not read"}
+    assert read_fields(StageSeconds, told, "frame.seconds") == StageSeconds(1.0, 0.5, 0.0, 0.25, 1.5)
     for name, value, says in (
         ("total", "1.5", "'frame.seconds.total' is '1.5'; it must be a float"),
         ("total", True, "it must be a float"),

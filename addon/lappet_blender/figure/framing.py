@@ -20,8 +20,10 @@ LEANING = 0.4  # of the angle to the normal: so much of it where a body is shown
 MARGIN = 9.0
 # Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
 FIELD_FILL = (0.64, 0.78)
-WIDEST = 5.0  # times the field: so much of the body around it a picture shows at most
+WIDEST = 5.0  # times the field: so much of the body around it counts at most
+NEARER = 0.75  # power of that which is shown: less of a body around a small wound
 WHOLE_FILL = (0.94, 0.94)
+OVERHANG = -0.2  # of a body's skin that faces down more than so (its normal's z), a plate is drawn from above
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +86,8 @@ def widened(field: SurgicalField, tissue: NDArray[np.float64]) -> SurgicalField:
     """
     own = float(np.linalg.norm(np.ptp(field.points, axis=0)))
     least = AROUND_WHOLE if field.fill == WHOLE_FILL else 1.0
-    context = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / max(own, 1.0), least, WIDEST))
+    around = float(np.clip(np.linalg.norm(np.ptp(tissue, axis=0)) / max(own, 1.0), 1.0, WIDEST))
+    context = max(around**NEARER, least)
     seed = np.array([0.0, 0.0, 1.0]) if abs(field.normal[2]) < 0.8 else np.array([0.0, 1.0, 0.0])
     up = seed - (seed @ field.normal) * field.normal
     up /= np.linalg.norm(up)
@@ -131,11 +134,13 @@ def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float],
     """
     steep = VIEWS[view] if field.context == 1.0 else 90.0 - LEANING * (90.0 - VIEWS[view])
     elevation = np.radians(steep)
-    # An oblique plate looks from below right of the field, so that both lips of a wound show.
+    # An oblique plate looks from below right of the field, so that both lips of a wound show; of a body's skin that
+    # faces down, such as an upper lid's, from above right, or the body would be seen from below.
     turn = 0.0 if view == "top" else np.radians(turned)
-    ground = -np.cos(turn) * field.up + np.sin(turn) * field.right
+    overhang = field.context > 1.0 and field.normal[2] < OVERHANG
+    ground = (1.0 if overhang else -1.0) * np.cos(turn) * field.up + np.sin(turn) * field.right
     back = np.sin(elevation) * field.normal + np.cos(elevation) * ground
-    flat_up = field.up if view == "top" else field.normal
+    flat_up = field.up if view == "top" or overhang else field.normal
     up = flat_up - (flat_up @ back) * back
     up /= np.linalg.norm(up)
     right = np.cross(up, back)

@@ -67,6 +67,8 @@ class SceneMeasure:
         The daemon's own time.
     linear_seconds
         Of these in the linear solver.
+    stability_seconds
+        Of these in the search for the softest displacement.
     newton_iterations
         Newton iterations of all frames.
     newton_median
@@ -110,6 +112,7 @@ class SceneMeasure:
     seconds: float
     solver_seconds: float
     linear_seconds: float
+    stability_seconds: float
     newton_iterations: int
     newton_median: float
     pcg_iterations: int
@@ -192,6 +195,7 @@ def measure(
         seconds=seconds,
         solver_seconds=solver_seconds,
         linear_seconds=sum(each.seconds.linear for each in said),
+        stability_seconds=sum(each.seconds.stability for each in said),
         newton_iterations=sum(newton),
         newton_median=float(np.median(newton)),
         pcg_iterations=sum(each.pcg for each in said),

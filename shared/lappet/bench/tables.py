@@ -110,8 +110,8 @@ def scenes_markdown(rows: Sequence[SceneMeasure]) -> str:
         The table.
     """
     table = published()["table_1"]
-    columns = [*table["columns"], "Newton", "PCG", "residual", "bytes per cell"]
-    body = [[*row, "", "", "", ""] for row in table["rows"]]
+    columns = [*table["columns"], "Newton", "PCG", "residual", "bytes per cell", "search for saddles"]
+    body = [[*row, "", "", "", "", ""] for row in table["rows"]]
     for r in rows:
         body.append(
             [
@@ -130,6 +130,7 @@ def scenes_markdown(rows: Sequence[SceneMeasure]) -> str:
                 r.pcg_iterations,
                 r.residual,
                 r.bytes_per_cell,
+                f"{100.0 * r.stability_seconds / max(r.solver_seconds, 1e-9):.1f} %",
             ]
         )
     return (

@@ -29,7 +29,7 @@ def _say(line: str) -> None:
 
 @click.group()
 def report() -> None:
-    """Measure error against run time, the estimate, convergence, stability and economy; show the presets of tissue."""
+    """Measure error against run time, the estimate, convergence, stability and economy; hold flaps against papers."""
 
 
 @report.command("error-time")
@@ -180,3 +180,22 @@ def atlas(
             click.echo(path)
     if any(row.frames < row.of_frames for row in rows):
         context.exit(1)
+
+
+@report.command("literature")
+@click.argument("rows", nargs=-1)
+@_output("literature")
+@click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.  [default: 1.33]")
+@click.pass_context
+def literature(context: click.Context, /, rows: tuple[str, ...], folder: Path, spacing: float | None) -> None:
+    """Hold what flaps give against what papers measured of them: ROWS, all of them by default.
+
+    A row that disagrees is a result, not a failure; docs/literature.md names the rows.
+    """
+    with sentences(context):
+        from lappet.reports.literature.run import SPACING, run_literature
+
+        text, files = run_literature(rows, folder, _say, spacing=spacing or SPACING)
+        click.echo(text)
+        for path in files:
+            click.echo(path)

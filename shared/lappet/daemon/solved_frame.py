@@ -73,6 +73,8 @@ class StageSeconds:
         Linear solves.
     setup
         Setting up the preconditioner.
+    stability
+        The search for the softest displacement.
     total
         Everything.
     """
@@ -80,6 +82,7 @@ class StageSeconds:
     update: float = 0.0
     linear: float = 0.0
     setup: float = 0.0
+    stability: float = 0.0
     total: float = 0.0
 
 

@@ -140,6 +140,9 @@ class FlapDesign:
         How hooks carry the flaps.
     flaps
         A point in the middle of each flap in mm.
+    undermined
+        How far around the cuts the skin is undermined, as a share of what is usual; 0 where it stays on its bed, as an
+        island flap does.
     """
 
     excised: tuple[Excised, ...]
@@ -148,3 +151,4 @@ class FlapDesign:
     corners: tuple[Corner, ...] = ()
     carries: tuple[Carry, ...] = ()
     flaps: tuple[Point, ...] = ()
+    undermined: float = 1.0

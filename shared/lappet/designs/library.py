@@ -7,12 +7,16 @@ from lappet.core.problem_code import ProblemCode
 from lappet.designs.a_t_plasty import A_T_PLASTY
 from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
 from lappet.designs.bilobed_flap import BILOBED
+from lappet.designs.dorsal_nasal_flap import DORSAL_NASAL
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
+from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
+from lappet.designs.nasolabial_flap import NASOLABIAL
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_flap import ROTATION
 from lappet.designs.s_plasty import DUAL_S_PLASTY
+from lappet.designs.upper_lid_excision import UPPER_LID
 from lappet.designs.v_y_plasty import V_Y_PLASTY, Y_V_PLASTY
 from lappet.designs.w_plasty_design import W_PLASTY
 from lappet.designs.z_plasty_flaps import Z_PLASTY
@@ -23,11 +27,14 @@ DESIGNS = {
     for design in (
         FUSIFORM,
         S_EXCISION,
+        UPPER_LID,
         W_PLASTY,
         Z_PLASTY,
         LIMBERG,
         DUFOURMENTEL,
         BILOBED,
+        NASOLABIAL,
+        DORSAL_NASAL,
         ROTATION,
         O_Z_PLASTY,
         DUAL_S_PLASTY,
@@ -36,6 +43,7 @@ DESIGNS = {
         A_T_PLASTY,
         V_Y_PLASTY,
         Y_V_PLASTY,
+        KEYSTONE,
     )
 }
 

@@ -120,7 +120,7 @@ def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique
         ),
         apart=apart,
         margin=min(usual.margin, 0.7 * apart),
-        beyond=round(0.5 * BEYOND * (1.0 + small), 2),
+        beyond=round(0.5 * BEYOND * (1.0 + small) * design.undermined, 2),
         height=round(usual.height * small, 2),
         inside=min(usual.inside, max(0.1 * seam, spacing)),
     )

@@ -93,7 +93,7 @@ class Technique:
     kerf
         Width of the cuts in mm.
     beyond
-        How far around the design the skin is undermined in mm.
+        How far around the design the skin is undermined in mm; 0 where it is not.
     apart
         Distance from suture to suture in mm.
     margin
@@ -156,7 +156,7 @@ def flap_operation(
             for k, curve in enumerate(design.incisions)
         ),
         *([Excision("excision", when.excise, tuple(cut.seed for cut in design.excised))] if design.excised else []),
-        Undermine("undermining", when.undermine, outline(design, skin, how.beyond)),
+        *([Undermine("undermining", when.undermine, outline(design, skin, how.beyond))] if how.beyond > 0.0 else []),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *sutures(design, skin, when, how),
         *landmarks(design, skin, how),

@@ -158,6 +158,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("seconds", Fields{{"update", frame.seconds_update},
                                {"linear", frame.seconds_linear},
                                {"setup", frame.seconds_setup},
+                               {"stability", frame.seconds_stability},
                                {"total", frame.seconds_total}})
       .field("work", Fields{{"evaluations", frame.work.evaluations.count},
                             {"evaluation_seconds", frame.work.evaluations.seconds},

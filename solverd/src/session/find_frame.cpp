@@ -33,6 +33,10 @@ constexpr double kNearly = 10.0;
 // The way down from a saddle is long: so many times the Newton iterations of a load step.
 constexpr int kRounds = 4;
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 template <class Real>
 class FrameSearch {
  public:
@@ -244,6 +248,7 @@ class FrameSearch {
   }
 
   void find_mode(const LowestModeSearch& search) {
+    const auto start = std::chrono::steady_clock::now();
     try {
       auto found =
           find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at, search);
@@ -253,6 +258,7 @@ class FrameSearch {
       lowest_ = std::numeric_limits<double>::quiet_NaN();
       mode_.clear();
     }
+    found_.effort.seconds_stability += seconds_since(start);
   }
 
   // The rest point of the surface that moves most in the mode.
@@ -322,10 +328,7 @@ class FrameSearch {
     Evaluation& at = found_.outcome.at;
     at = epoch_.system.evaluate(found_.state.u, found_.state.multipliers, std::move(at));
   }
-  bool out_of_time() const {
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
-    return settings_.time_budget > 0.0 && passed.count() > settings_.time_budget;
-  }
+  bool out_of_time() const { return settings_.time_budget > 0.0 && seconds_since(start_) > settings_.time_budget; }
 
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const SessionSettings& settings_;

@@ -221,7 +221,8 @@ struct SolveEffort {
   int load_steps = 0;             // of the last attempt
   std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
-  int saddles_left = 0;  // unstable equilibria that were found on the way and left
+  double seconds_stability = 0.0;  // in the search for the softest displacement
+  int saddles_left = 0;            // unstable equilibria that were found on the way and left
   Restart restart = Restart::kNone;
 };
 

@@ -72,9 +72,8 @@ class BlockJacobi {
     }
     constraint_start_.assign(1, 0);
     constraint_entries_.clear();
-    std::vector<std::vector<std::pair<std::int32_t, std::size_t>>> of_node(
-        constrained_nodes_.size());  // constraint, entry
-    std::vector<Eigen::Matrix<double, 3, Size>> rows;
+    std::vector<EntriesOfNode> of_node(constrained_nodes_.size());
+    std::vector<Row> rows;
     std::vector<Eigen::Triplet<double>> middle;  // the lower half
     for (const auto& constraint : constraints) {
       const Index index = to_index(constraint_start_.size() - 1);
@@ -90,14 +89,7 @@ class BlockJacobi {
       for (int i = 0; i < 3; ++i)
         middle.emplace_back(3 * index + i, 3 * index + i, 1.0 / std::max(constraint.stiffness, kMinStiffness));
     }
-    for (const auto& entries : of_node)
-      for (const auto& [a, row] : entries)
-        for (const auto& [b, gain] : entries) {
-          if (b > a) continue;
-          const Eigen::Matrix3d block = rows[row] * constraint_entries_[gain].gain;
-          for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < (a == b ? i + 1 : 3); ++j) middle.emplace_back(3 * a + i, 3 * b + j, block(i, j));
-        }
+    couple_constraints(of_node, rows, middle);
     const Eigen::Index size = 3 * (constraint_start_.size() - 1);
     constraint_values_.resize(size);
     if (constrained_nodes_.empty()) return;
@@ -139,6 +131,32 @@ class BlockJacobi {
   }
 
  private:
+  using Row = Eigen::Matrix<double, 3, Size>;
+  using EntriesOfNode = std::vector<std::pair<std::int32_t, std::size_t>>;  // constraint, entry
+
+  // Adds A B^-1 A^T, its lower half. Two constraints share many nodes: their block is added up before it goes in.
+  void couple_constraints(const std::vector<EntriesOfNode>& of_node, const std::vector<Row>& rows,
+                          std::vector<Eigen::Triplet<double>>& middle) const {
+    using Coupled = std::pair<std::int32_t, Eigen::Matrix3d>;
+    std::vector<std::vector<Coupled>> coupled(constraint_start_.size() - 1);
+    for (const auto& entries : of_node)
+      for (const auto& [a, row] : entries)
+        for (const auto& [b, gain] : entries) {
+          if (b > a) continue;
+          const Eigen::Matrix3d block = rows[row] * constraint_entries_[gain].gain;
+          auto& of_a = coupled[static_cast<std::size_t>(a)];
+          const auto found = std::ranges::find(of_a, b, &Coupled::first);
+          if (found == of_a.end())
+            of_a.emplace_back(b, block);
+          else
+            found->second += block;
+        }
+    for (std::int32_t a = 0; a < to_index(coupled.size()); ++a)
+      for (const auto& [b, block] : coupled[static_cast<std::size_t>(a)])
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < (a == b ? i + 1 : 3); ++j) middle.emplace_back(3 * a + i, 3 * b + j, block(i, j));
+  }
+
   template <class Read, class Write>
   void pass(const Read& read, const Write& write) const {
     for_each_chunk(nodes(), [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -53,6 +53,8 @@ class TwoLevel {
       modes_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
     smoother_.after(x);
   }
+  // Whether there are rigid modes for the constraints.
+  bool has_modes() const { return !smoother_only_ && !stale_ && system_.constraint_revision() == revision_; }
   RigidModes<Real>& modes() { return modes_; }
   Smoother<Real>& smoother() { return smoother_; }
   std::size_t bytes() const { return smoother_.bytes() + modes_.bytes(); }

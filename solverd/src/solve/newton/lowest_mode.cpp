@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace lappet {
@@ -30,12 +31,19 @@ class ModeSearch {
 
   LowestMode<Real> run(const LowestModeSearch& search) {
     set_noise(other_.shape);
+    const bool with_waves = preconditioner_.has_modes();
+    if (with_waves) add_coarse_noise(other_.shape);
     measure(other_);
     if (!(dot<Real>(other_.shape, other_.softening) > 0.0)) return {};
+    linearize(PsdProjection::kClamp);
     preconditioner_.refresh(u_);
-    if (!preconditioner_.is_smoother_only()) add_coarse_noise();
+    if (!with_waves && preconditioner_.has_modes()) {
+      add_coarse_noise(mode_.shape);
+      measure(mode_);
+      add<Real>(Real(1), mode_.softening, other_.softening);
+    }
     // The first step is one of the power method: the noise itself says nothing.
-    preconditioner_.apply(other_.softening, mode_.shape);
+    precondition(other_.softening, mode_.shape);
     measure(mode_);
     LowestMode<Real> found;
     double now = share();
@@ -75,21 +83,32 @@ class ModeSearch {
     return static_cast<Real>(hash >> 8) / static_cast<Real>(1U << 24) - Real(0.5);
   }
 
-  // Adds what N makes of noise on the rigid modes of the coarse level: long waves have too small a part in the other.
-  void add_coarse_noise() {
+  // Adds noise on the rigid modes of the coarse level: long waves have too small a part in the other.
+  void add_coarse_noise(std::vector<Real>& shape) {
     auto& modes = preconditioner_.modes();
-    std::vector<Real> amplitudes(modes.unknowns());
+    std::vector<Real> amplitudes(modes.unknowns()), waves(size_);
     for_each_index(amplitudes.size(), [&](std::size_t i) { amplitudes[i] = noise(i); });
-    modes.prolong(amplitudes, mode_.shape);
-    measure(mode_);
-    add<Real>(Real(1), mode_.softening, other_.softening);
+    modes.prolong(amplitudes, waves);
+    add<Real>(Real(1), waves, shape);
+  }
+
+  // A tangent costs as much as two products: what needs the present one comes first.
+  void linearize(PsdProjection how) {
+    if (tangent_ == how) return;
+    system_.linearize(at_, how);
+    tangent_ = how;
+  }
+  void precondition(std::span<const Real> b, std::span<Real> x) {
+    linearize(PsdProjection::kClamp);
+    preconditioner_.apply(b, x);
   }
 
   void measure(Direction<Real>& x) {
-    system_.linearize(at_, PsdProjection::kExact);
-    system_.multiply(x.shape, x.softening);
-    system_.linearize(at_, PsdProjection::kClamp);
-    system_.multiply(x.shape, x.stiffness);
+    const bool clamped = tangent_ == PsdProjection::kClamp;
+    linearize(clamped ? PsdProjection::kClamp : PsdProjection::kExact);
+    system_.multiply(x.shape, clamped ? x.stiffness : x.softening);
+    linearize(clamped ? PsdProjection::kExact : PsdProjection::kClamp);
+    system_.multiply(x.shape, clamped ? x.softening : x.stiffness);
     combine<Real>(Real(-1), Real(1), x.stiffness, x.softening);
   }
 
@@ -98,7 +117,7 @@ class ModeSearch {
     for_each_index(size_, [&, s = static_cast<Real>(now)](std::size_t i) {
       other_.softening[i] = mode_.softening[i] - s * mode_.stiffness[i];
     });
-    preconditioner_.apply(other_.softening, other_.shape);
+    precondition(other_.softening, other_.shape);
     return take_in_other();
   }
 
@@ -146,6 +165,7 @@ class ModeSearch {
   const Evaluation& at_;
   std::size_t size_;
   Direction<Real> mode_, other_;
+  std::optional<PsdProjection> tangent_;  // which the system has now; none: nobody knows
 };
 
 }  // namespace

@@ -39,7 +39,7 @@ struct LowestModeSearch {
 };
 
 // At the last evaluation `at` of the system, at u. The start is noise, the same one always. Leaves the system
-// linearized there, clamped, and the preconditioner updated. Throws NotDefiniteError where that cannot be.
+// linearized there, exactly or clamped, and the preconditioner updated. Throws NotDefiniteError where that cannot be.
 template <class Real>
 LowestMode<Real> find_lowest_mode(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<const Real> u,
                                   const Evaluation& at, const LowestModeSearch& search);
