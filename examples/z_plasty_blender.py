@@ -24,6 +24,12 @@ LIMB, ANGLE, THICKNESS, KERF = 20.0, 60.0, 4.0, 0.05  # mm, degrees, mm, mm
 INCISE, UNDERMINE, LIFT, TRANSPOSED, CLOSED, RELEASE, END = 3, 6, 8, 26, 36, 38, 40  # frames
 # Rows of sutures: name, height of the anchors above the underside (mm), stitches along a limb.
 ROWS = (("deep", 0.8, 10), ("dermal", 3.4, 14), ("skin", THICKNESS, 10))
+# The ways of the hooks: frame, degrees by which the flap is turned up about its base, share of the way over. The first
+# flap is turned back out of the way of the second, which passes below it and is laid down first.
+INSIDE, LAID_SHORT = 1.5, 4.0  # mm from a flap's tip to its hook, and from the wound's corner to where that is laid
+Way = tuple[tuple[float, float, float], ...]
+TURNED_BACK: Way = ((13, 105.0, 0.0), (19, 105.0, 0.0), (23, 45.0, 0.6), (26, 0.0, 1.0))
+PASSES_BELOW: Way = ((12, 45.0, 0.0), (17, 38.0, 0.7), (20, 0.0, 1.0))
 BESIDE = KERF / 2 + 0.01  # mm from the middle of the cut to an anchor
 EAST, NORTH, UP = np.eye(3)
 
@@ -61,8 +67,8 @@ def build(spacing: float = 1.0) -> None:
     turn = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
     around = [(15 * np.cos(t), 24 * np.sin(t), THICKNESS) for t in turn]
     lappet.undermine_add(name="undermining", points=points(around), time=UNDERMINE)
-    hook("hook_1", b, (a + c) / 2, d, 9.0)
-    hook("hook_2", c, (b + d) / 2, a, 14.0)
+    hook("hook_1", b, (a + c) / 2, d, c, TURNED_BACK)
+    hook("hook_2", c, (b + d) / 2, a, b, PASSES_BELOW)
     sew(a, b, c, d)
     # Beside the wound, and on the two flaps: what to measure.
     for name, label, marks in (
@@ -74,21 +80,18 @@ def build(spacing: float = 1.0) -> None:
         lappet.landmark_add(name=name, label=label, points=points(marks))
 
 
-def hook(name: str, tip: Vector, base: Vector, to: Vector, height: float) -> None:
-    """Lifts a flap by its tip, carries it over and lays it down at `to`; mm."""
-    anchor = tip + 1.5 * (base - tip) / np.linalg.norm(base - tip)
-    raised = anchor + 0.25 * (base - anchor) + height * UP
-    lay = to - 1.5 * (to - base) / np.linalg.norm(to - base)
-    above = 0.6 * lay + 0.4 * base + 0.7 * height * UP
-    path = [(0.0, anchor), (0.35, raised), (0.75, above), (1.0, lay)]
-    bpy.ops.lappet.hook_add(
-        name=name,
-        anchor=anchor,
-        keys=keys((LIFT + share * (TRANSPOSED - LIFT), place) for share, place in path),
-        start=LIFT,
-        end=RELEASE,
-        stiffness=300.0,
-    )
+def hook(name: str, tip: Vector, base: Vector, to: Vector, edge: Vector, way: Way) -> None:
+    """Turns a flap up about its base by its tip, carries it over and lays it down near `to`, on the side of `edge`."""
+    length = float(np.linalg.norm(base - tip)) - INSIDE
+    inward = (base - tip) / np.linalg.norm(base - tip)
+    anchor = tip + INSIDE * inward
+    lay = to + LAID_SHORT * (edge - to) / np.linalg.norm(edge - to)
+    path = [(float(LIFT), anchor)]
+    for time, turned, over in way:
+        angle = np.radians(turned)
+        raised = base - np.cos(angle) * length * inward
+        path.append((float(time), raised + over * (lay - raised) + np.sin(angle) * length * UP))
+    bpy.ops.lappet.hook_add(name=name, anchor=anchor, keys=keys(path), start=LIFT, end=RELEASE, stiffness=300.0)
 
 
 def sew(a: Vector, b: Vector, c: Vector, d: Vector) -> None:

@@ -22,6 +22,13 @@ INCISE, UNDERMINE, LIFT, TRANSPOSED, CLOSED, RELEASE, END = 3, 6, 8, 26, 36, 38,
 # Rows of sutures: name, height of the anchors above the underside (mm), stitches along a limb, first frame.
 # The buried rows hold the walls of the wound together, so that the stitches on the skin only have to meet its edges.
 ROWS = (("deep", 0.8, 10, TRANSPOSED), ("dermal", 3.4, 14, TRANSPOSED), ("skin", THICKNESS, 10, TRANSPOSED))
+# The ways of the hooks: time code, degrees by which the flap is turned up about its base, share of the way over. The
+# first flap is turned back out of the way of the second, which passes below it and is laid down first.
+INSIDE = 1.5  # mm from a flap's tip to its hook
+LAID_SHORT = 4.0  # mm from the corner of the wound to where the hook is laid, along the edge that the flap meets
+Way = tuple[tuple[float, float, float], ...]
+TURNED_BACK: Way = ((13, 105.0, 0.0), (19, 105.0, 0.0), (23, 45.0, 0.6), (26, 0.0, 1.0))
+PASSES_BELOW: Way = ((12, 45.0, 0.0), (17, 38.0, 0.7), (20, 0.0, 1.0))
 BESIDE = KERF / 2 + 0.01  # mm from the middle of the cut to an anchor
 
 
@@ -61,19 +68,20 @@ def sutures(design: ZPlasty) -> list[Event]:
     return events
 
 
-def hook(name: str, tip: np.ndarray, base: np.ndarray, to: np.ndarray, height: float) -> Hook:
-    """Lifts a flap by its tip, carries it over and lays it down at `to`."""
+def hook(name: str, tip: np.ndarray, base: np.ndarray, to: np.ndarray, edge: np.ndarray, way: Way) -> Hook:
+    """Turns a flap up about its base by its tip, carries it over and lays it down near `to`, on the side of `edge`."""
     inward = base - tip
+    length = float(np.linalg.norm(inward)) - INSIDE
     inward = inward / np.linalg.norm(inward)
-    anchor = tip + 1.5 * inward
-    up = np.array([0.0, 0.0, 1.0])
-    raised = anchor + 0.25 * (base - anchor) + height * up
-    lay = to - 1.5 * (to - base) / np.linalg.norm(to - base)
-    above = 0.6 * lay + 0.4 * base + 0.7 * height * up
-    span = TRANSPOSED - LIFT
-    path = [(0.0, anchor), (0.35, raised), (0.75, above), (1.0, lay)]
-    targets = tuple((LIFT + share * span, point(p)) for share, p in path)
-    return Hook(name=name, anchor=point(anchor), targets=targets, start=LIFT, release=RELEASE, stiffness=300.0)
+    anchor = tip + INSIDE * inward
+    lay = to + LAID_SHORT * (edge - to) / np.linalg.norm(edge - to)
+    targets = [(float(LIFT), point(anchor))]
+    for time, turned, over in way:
+        angle = np.radians(turned)
+        raised = base - np.cos(angle) * length * inward
+        level = raised + over * (lay - raised)
+        targets.append((float(time), point(level + np.sin(angle) * length * np.array([0.0, 0.0, 1.0]))))
+    return Hook(name=name, anchor=point(anchor), targets=tuple(targets), start=LIFT, release=RELEASE, stiffness=300.0)
 
 
 def build() -> Procedure:
@@ -83,8 +91,8 @@ def build() -> Procedure:
     events: list[Event] = [
         Incision("incision", INCISE, design.curve, kerf=KERF),
         Undermine("undermining", UNDERMINE, oval((0.0, 0.0, THICKNESS), 30.0, 48.0, (1.0, 0.0, 0.0))),
-        hook("hook_1", b, (a + c) / 2, d, 9.0),
-        hook("hook_2", c, (b + d) / 2, a, 14.0),
+        hook("hook_1", b, (a + c) / 2, d, c, TURNED_BACK),
+        hook("hook_2", c, (b + d) / 2, a, b, PASSES_BELOW),
         *sutures(design),
         # Beside the wound, and on the two flaps: what to measure.
         Landmark("scar_ends", (point(b + np.array([2.5, 0, 0])), point(c - np.array([2.5, 0, 0]))), "scar end"),

@@ -25,6 +25,7 @@ constexpr std::array<std::pair<double, double>, 4> kGauss{{{0.06943184420297371,
                                                            {0.66999052179242813, 0.32607257743127307},
                                                            {0.93056815579702629, 0.17392742256872692}}};
 constexpr int kAzimuths = 16;
+constexpr double kOneFace = 0.9;  // cosine between normals of triangles that count as one face
 
 // Where the segment from `from` along `way` crosses a triangle, as a fraction of it; infinity where it does not.
 template <class Wall>
@@ -105,7 +106,7 @@ std::vector<AnchorStencils::Wall> AnchorStencils::walls_near(const Vec3& point, 
       continue;
     const auto& corners = surface_.triangles[t];
     const Vec3& a = surface_.points[corners[0]];
-    Wall wall{a, surface_.points[corners[1]] - a, surface_.points[corners[2]] - a, Vec3::Zero()};
+    Wall wall{a, surface_.points[corners[1]] - a, surface_.points[corners[2]] - a, Vec3::Zero(), to_index(t)};
     wall.normal = wall.first.cross(wall.second);
     if (wall.normal.squaredNorm() == 0.0) continue;
     wall.normal.normalize();
@@ -182,7 +183,26 @@ std::vector<AnchorStencils::Sample> AnchorStencils::seen_from(const Vec3& eye, c
   return samples;
 }
 
-AnchorStencil AnchorStencils::around(const Vec3& anchor, Index triangle) const {
+std::vector<AnchorStencils::Facing> AnchorStencils::faces_above(const Vec3& anchor) const {
+  const std::vector<Wall> walls = walls_near(anchor, radius_);
+  const Vec3 eye = viewpoint(anchor, walls);
+  const double sunk = kSunk * radius_;
+  std::vector<Facing> found;
+  for (const Wall& wall : walls) {
+    const double depth = std::max((wall.corner - anchor).dot(wall.normal), 0.0);
+    if ((wall.corner - eye).dot(wall.normal) < 0.0 || depth > radius_) continue;
+    if (crossing(eye, Vec3((depth + 2.0 * sunk) * wall.normal), wall) > 1.0) continue;
+    const auto known =
+        std::ranges::find_if(found, [&](const Facing& other) { return other.normal.dot(wall.normal) > kOneFace; });
+    if (known == found.end())
+      found.push_back({wall.normal, depth, wall.triangle});
+    else if (depth < known->depth)
+      *known = {wall.normal, depth, wall.triangle};
+  }
+  return found;
+}
+
+AnchorStencil AnchorStencils::around(const Vec3& anchor, Index triangle, const Vec3& beyond) const {
   const AnchorStencil point = point_stencil(lattice_, embed_on_triangle(lattice_, surface_, anchor, triangle));
   const double voxel = lattice_.settings.spacing / lattice_.fine->box().ratio;
   const std::vector<Wall> walls = walls_near(anchor, radius_ + 3.0 * voxel);
@@ -200,7 +220,7 @@ AnchorStencil AnchorStencils::around(const Vec3& anchor, Index triangle) const {
   for (const Sample& sample : samples) moments += sample.weight * arm(sample.point) * arm(sample.point).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> spectrum(moments);
   if (!(spectrum.eigenvalues()[0] > kMinSpan * moments.trace())) return point;
-  const Eigen::Vector4d gain = moments.llt().solve(Eigen::Vector4d::UnitX());
+  const Eigen::Vector4d gain = moments.llt().solve(arm(anchor + beyond));
 
   std::map<Index, double> weights;  // ordered: the result is deterministic
   for (const Sample& sample : samples) {

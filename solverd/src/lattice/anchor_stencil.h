@@ -43,8 +43,17 @@ class AnchorStencils {
   // surface: the one that the lattice was built from. Keeps references to both. radius: mm.
   AnchorStencils(const Lattice& lattice, const Surface& surface, double radius);
 
-  // Of a rest point inside the tissue or on its surface; the triangle of the surface nearest to it.
-  AnchorStencil around(const Vec3& anchor, Index triangle) const;
+  // Of a rest point inside the tissue or on its surface; the triangle of the surface nearest to it. beyond: from the
+  // anchor to the point that the stencil holds, mm, as if the tissue went on as it is about the anchor.
+  AnchorStencil around(const Vec3& anchor, Index triangle, const Vec3& beyond = Vec3::Zero()) const;
+  // The faces of the surface that an anchor lies below, within the radius, of those that look about the same way the
+  // nearest.
+  struct Facing {
+    Vec3 normal;   // outwards, at rest
+    double depth;  // of the anchor, mm
+    Index triangle;
+  };
+  std::vector<Facing> faces_above(const Vec3& anchor) const;
 
  private:
   // A part of the tissue around an anchor: a point of a cell, and how much it weighs.
@@ -56,6 +65,7 @@ class AnchorStencils {
   // A triangle near an anchor.
   struct Wall {
     Vec3 corner, first, second, normal;  // a corner, the edges from it; unit length
+    Index triangle;
   };
   using Box = std::array<float, 6>;  // lowest and highest corner
 

@@ -1,5 +1,6 @@
 #include "session/frame_constraints.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +13,8 @@ namespace {
 constexpr double kSuturePenalty = 50.0;
 // A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
 constexpr double kMaxPenalty = 1000.0;
+// Walls face each other from this cosine between their normals on.
+constexpr double kFacing = -0.3;
 
 // How far a thread was drawn if it were as long as its ends are apart now.
 double closure_of(const SutureState& suture, double placed, double now) {
@@ -150,7 +153,8 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
     constraints.back().id = id_of(hook);
   }
   for (const auto& suture : frame.sutures) {
-    constraints.push_back(suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)]));
+    constraints.push_back(
+        suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)], state.u));
     constraints.back().id = id_of(suture);
   }
   return constraints;
@@ -158,44 +162,85 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
 
 // gap: how far apart its ends were when it was placed.
 template <class Real>
-PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& suture, const double* gap) const {
+PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& suture, const double* gap,
+                                                          std::span<const Real> u) const {
   const Vec3 placed(gap[0], gap[1], gap[2]);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
   if (!suture.is_thread) {
     const double penalty = kSuturePenalty * settings_.materials[0].youngs_modulus * settings_.spacing;
-    return make_suture(lattice_, embed(suture.a), embed(suture.b), (1.0 - suture.closure) * placed, penalty);
+    return make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
   }
   Thread thread;
   thread.length = (1.0 - suture.closure) * placed.norm() + suture.closure * suture.length;
   if (suture.tension > 0.0) thread.most = suture.tension;
-  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   double max_stiffness = 0.0;
   for (const AnchorStencil* stencil : stencils) max_stiffness = std::max(max_stiffness, max_penalty(stencil->nodes));
   return make_thread(lattice_, stencils, thread, suture.stiffness, max_stiffness);
 }
 
 template <class Real>
-std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const SutureState& suture) const {
+std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const SutureState& suture,
+                                                                      std::span<const Real> u) const {
+  if (const Ends* ends = ends_between_walls(suture, u)) return {&ends->first, &ends->second};
   std::vector<const AnchorStencil*> stencils{&embed(suture.a)};
   for (const Anchor& anchor : suture.inner) stencils.push_back(&embed(anchor));
   stencils.push_back(&embed(suture.b));
   return stencils;
 }
 
+template <class Real>
+const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_between_walls(const SutureState& suture,
+                                                                                        std::span<const Real> u) const {
+  const SelfContact* contact = system_.self_contact();
+  if (!contact || !suture.inner.empty()) return nullptr;
+  if (const auto known = ends_between_walls_.find(suture.index); known != ends_between_walls_.end())
+    return &known->second;
+  embed(suture.a);  // makes the maker
+  using Facing = AnchorStencils::Facing;
+  std::optional<std::pair<Facing, Facing>> nearest;
+  for (const Facing& a : stencil_maker_->faces_above(suture.a.point))
+    for (const Facing& b : stencil_maker_->faces_above(suture.b.point)) {
+      if (!(normal_now(a.triangle, u).dot(normal_now(b.triangle, u)) < kFacing)) continue;
+      if (!nearest || a.depth + b.depth < nearest->first.depth + nearest->second.depth) nearest = {a, b};
+    }
+  if (!nearest) return nullptr;
+  const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
+    const Vec3 beyond = (wall.depth + 0.5 * contact->distance_of_walls()) * wall.normal;
+    return stencil_maker_->around(anchor.point, anchor.triangle, beyond);
+  };
+  return &ends_between_walls_
+              .emplace(suture.index,
+                       Ends(out_to_middle(suture.a, nearest->first), out_to_middle(suture.b, nearest->second)))
+              .first->second;
+}
+
+template <class Real>
+Vec3 FrameConstraints<Real>::normal_now(Index triangle, std::span<const Real> u) const {
+  std::array<Vec3, 3> at;
+  for (int k = 0; k < 3; ++k) {
+    const Index v = surface_.triangles[triangle][k];
+    at[k] = surface_.points[v] + displacement(lattice_, lattice_.surface_points[v], u);
+  }
+  const Vec3 normal = (at[1] - at[0]).cross(at[2] - at[0]);
+  return normal / std::max(normal.norm(), 1e-300);
+}
+
 // As SolverState keeps it.
 template <class Real>
 Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<const Real> u) const {
-  if (suture.inner.empty()) return where(suture.a, u) - where(suture.b, u);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
+  if (suture.inner.empty())
+    return position<Real>(lattice_, *stencils[0], u) - position<Real>(lattice_, *stencils[1], u);
   double length = 0.0;
-  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   for (std::size_t k = 0; k + 1 < stencils.size(); ++k)
     length += (position<Real>(lattice_, *stencils[k], u) - position<Real>(lattice_, *stencils[k + 1], u)).norm();
   return {length, 0.0, 0.0};
 }
 
 template <class Real>
-std::vector<double> FrameConstraints<Real>::shared(const SutureState& suture) const {
+std::vector<double> FrameConstraints<Real>::shared(const SutureState& suture, std::span<const Real> u) const {
   std::vector<double> found;
-  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
   for (std::size_t k = 0; k + 1 < stencils.size(); ++k) found.push_back(shared_hold(*stencils[k], *stencils[k + 1]));
   return found;
 }

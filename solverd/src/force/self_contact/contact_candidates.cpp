@@ -59,7 +59,7 @@ std::size_t ContactCandidates::leave_out(std::span<const Piercing> piercings, co
     }
   cover(places);
   std::size_t found = 0;
-  for (const auto& [vertex, face] : vertex_faces_) {
+  for (const auto& [vertex, face, reach] : vertex_faces_) {
     const auto [p, a, b, c] = at(places, surface_.corners_of(vertex, face));
     if (closest_on_triangle(p, a, b, c).squared_distance > kLiesOn * kLiesOn) continue;
     faces_left_out_.insert(key(vertex, face));
@@ -131,11 +131,13 @@ void ContactCandidates::add_vertices(Index of, Index face, Found& to) const {
     if (!surface_.owns_vertex(of, k)) continue;
     const Index v = surface_.triangles()[of][k];
     const auto corners = surface_.corners_of(v, face);
-    const double within = surface_.reach_of(v) + 2.0 * slack_ + drift(at(ways_, corners), 1);
+    const double more = 2.0 * slack_ + drift(at(ways_, corners), 1);
     const auto [p, a, b, c] = at(from_, corners);
-    if (closest_on_triangle(p, a, b, c).squared_distance > within * within) continue;
-    if (surface_.counts(v, face) && (faces_left_out_.empty() || !faces_left_out_.contains(key(v, face))))
-      to.vertex_faces.push_back({v, face});
+    const double apart = std::sqrt(closest_on_triangle(p, a, b, c).squared_distance);
+    if (apart > surface_.reach() + more) continue;
+    const double reach = surface_.reach_to(v, face);
+    if (!(reach > 0.0) || apart > reach + more) continue;
+    if (faces_left_out_.empty() || !faces_left_out_.contains(key(v, face))) to.vertex_faces.push_back({v, face, reach});
   }
 }
 
@@ -147,11 +149,13 @@ void ContactCandidates::add_edges(Index triangle, Index other, Found& to) const 
       if (!surface_.owns_edge(other, k)) continue;
       const Index e = surface_.edges_of(triangle)[i], f = surface_.edges_of(other)[k];
       const auto ends = surface_.ends_of(e, f);
-      const double within = kEdgeShare * surface_.reach() + 2.0 * slack_ + drift(at(ways_, ends), 2);
+      const double more = 2.0 * slack_ + drift(at(ways_, ends), 2);
       const auto [a, b, c, d] = at(from_, ends);
-      if (closest_on_segments(a, b, c, d).squared_distance > within * within) continue;
+      const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
+      if (apart > kEdgeShare * surface_.reach() + more) continue;
       const double reach = surface_.reach_of(e, f);
-      if (reach > 0.0 && (edges_left_out_.empty() || !edges_left_out_.contains(key(std::min(e, f), std::max(e, f)))))
+      if (reach > 0.0 && apart <= reach + more &&
+          (edges_left_out_.empty() || !edges_left_out_.contains(key(std::min(e, f), std::max(e, f)))))
         to.edges.push_back({std::min(e, f), std::max(e, f), reach});
     }
   }

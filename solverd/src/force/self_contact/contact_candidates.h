@@ -12,6 +12,7 @@ namespace lappet {
 
 struct VertexFacePair {
   Index vertex, face;
+  double reach;  // mm
   auto operator<=>(const VertexFacePair&) const = default;
 };
 struct EdgePair {

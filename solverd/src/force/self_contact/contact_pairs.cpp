@@ -12,6 +12,8 @@ namespace {
 
 using Kind = TriangleFeature::Kind;
 
+// Of the barrier of edges, in those of vertices and faces: a ridge bears at one pair what a face does at many.
+constexpr double kEdgeStiffness = 1.0;
 constexpr std::size_t kPairsPerChunk = 256;
 
 // A barrier of weight `area`, of the vector between the closest points.
@@ -20,7 +22,15 @@ void press(TouchingPair& pair, const Vec3& between, double area, const BarrierVa
   pair.normal = between / pair.distance;
   pair.energy = area * value.energy;
   pair.slope = area * value.slope;
-  pair.stiffness = std::max(area, 0.0) * value.curvature;
+  pair.stiffness = area * value.curvature;
+}
+
+// A parameter of the closest points: towards vertex `to` of the pair from vertex `from`.
+void add_parameter(TouchingPair& pair, std::size_t from, std::size_t to, double sign, const Vec3& edge) {
+  auto& turn = pair.turns[pair.parameters];
+  turn[to] = sign;
+  turn[from] = -sign;
+  pair.edges[pair.parameters++] = sign * edge;
 }
 
 // The part of the surface near a vertex: the faces that count and are within its reach.
@@ -32,78 +42,85 @@ class NearVertex {
   void add(std::span<const VertexFacePair> faces, std::vector<TouchingPair>& to) {
     features_.clear();
     vertex_ = faces.front().vertex;
-    reach_ = surface_.reach_of(vertex_);
     near_.clear();
     for (const VertexFacePair& pair : faces) {
       const auto& [p, q, r] = surface_.triangles()[pair.face];
       const ClosestOnTriangle closest = closest_on_triangle(places_[vertex_], places_[p], places_[q], places_[r]);
-      if (!(closest.squared_distance < reach_ * reach_)) continue;
-      near_.push_back(pair.face);
-      count(pair.face, closest);
+      if (!(closest.squared_distance < pair.reach * pair.reach)) continue;
+      near_.push_back(&pair);
+      count(pair, closest);
     }
     if (near_.empty()) return;
-    for (const Index face : near_) take_off_edges(face);
-    for (const Index face : near_) add_corners(face);
+    for (const VertexFacePair* pair : near_) take_off_edges(*pair);
+    for (const VertexFacePair* pair : near_) add_corners(pair->face);
     for (const Feature& feature : features_)
       if (feature.times != 0) press_on(feature, to);
   }
 
  private:
-  // Vertices of the feature that is closest, -1: none; how often it counts.
+  // Vertices of the feature that is closest, -1: none; from where on it counts, and how often.
   struct Feature {
     std::array<Index, 3> vertices;
     std::array<double, 3> weights;
+    double reach;
     int times;
   };
 
-  bool is_near(Index face) const { return std::ranges::find(near_, face) != near_.end(); }
+  // From where on a face that is near counts; 0: it is not.
+  double reach_of(Index face) const {
+    const auto found = std::ranges::find(near_, face, [](const VertexFacePair* pair) { return pair->face; });
+    return found != near_.end() ? (*found)->reach : 0.0;
+  }
 
   // The closest point of a face, by the corners that it lies between.
-  void count(Index face, const ClosestOnTriangle& closest) {
-    const auto& corners = surface_.triangles()[face];
+  void count(const VertexFacePair& pair, const ClosestOnTriangle& closest) {
+    const auto& corners = surface_.triangles()[pair.face];
     const int k = closest.feature.which;
     switch (closest.feature.kind) {
       case Kind::kFace:
-        features_.push_back({corners, closest.weights, 1});
+        features_.push_back({corners, closest.weights, pair.reach, 1});
         break;
       case Kind::kEdge:
-        count_edge(corners[k], corners[(k + 1) % 3], closest.weights[(k + 1) % 3], 1);
+        count_edge(corners[k], corners[(k + 1) % 3], closest.weights[(k + 1) % 3], pair.reach, 1);
         break;
       case Kind::kCorner:
-        count({corners[k], -1, -1}, {1.0, 0.0, 0.0}, 1);
+        count({corners[k], -1, -1}, {1.0, 0.0, 0.0}, pair.reach, 1);
         break;
     }
   }
-  void count_edge(Index a, Index b, double at, int times) {
+  void count_edge(Index a, Index b, double at, double reach, int times) {
     if (a > b) {
       std::swap(a, b);
       at = 1.0 - at;
     }
-    count({a, b, -1}, {1.0 - at, at, 0.0}, times);
+    count({a, b, -1}, {1.0 - at, at, 0.0}, reach, times);
   }
-  void count(const std::array<Index, 3>& vertices, const std::array<double, 3>& weights, int times) {
-    const auto found = std::ranges::find(features_, vertices, &Feature::vertices);
+  void count(const std::array<Index, 3>& vertices, const std::array<double, 3>& weights, double reach, int times) {
+    const auto found = std::ranges::find_if(
+        features_, [&](const Feature& feature) { return feature.vertices == vertices && feature.reach == reach; });
     if (found != features_.end())
       found->times += times;
     else
-      features_.push_back({vertices, weights, times});
+      features_.push_back({vertices, weights, reach, times});
   }
 
   // Edges that two of the faces share, each at the first of them.
-  void take_off_edges(Index face) {
+  void take_off_edges(const VertexFacePair& pair) {
+    const Index face = pair.face;
     for (int k = 0; k < 3; ++k) {
       const auto& [first, second] = surface_.triangles_at(surface_.edges_of(face)[k]);
-      if (face != std::min(first, second) || !is_near(std::max(first, second))) continue;
+      if (face != std::min(first, second)) continue;
+      const double reach = std::min(pair.reach, reach_of(std::max(first, second)));
       const auto& corners = surface_.triangles()[face];
       const Index a = std::min(corners[k], corners[(k + 1) % 3]), b = std::max(corners[k], corners[(k + 1) % 3]);
       const ClosestOnSegment closest = closest_on_segment(places_[vertex_], places_[a], places_[b]);
-      if (!(closest.squared_distance < reach_ * reach_)) continue;
+      if (!(closest.squared_distance < reach * reach)) continue;
       if (closest.at == 0.0)
-        count({a, -1, -1}, {1.0, 0.0, 0.0}, -1);
+        count({a, -1, -1}, {1.0, 0.0, 0.0}, reach, -1);
       else if (closest.at == 1.0)
-        count({b, -1, -1}, {1.0, 0.0, 0.0}, -1);
+        count({b, -1, -1}, {1.0, 0.0, 0.0}, reach, -1);
       else
-        count_edge(a, b, closest.at, -1);
+        count_edge(a, b, closest.at, reach, -1);
     }
   }
 
@@ -112,9 +129,10 @@ class NearVertex {
     for (const Index corner : surface_.triangles()[face]) {
       const auto around = surface_.triangles_around(corner);
       if (face != *std::ranges::min_element(around)) continue;
-      if (!((places_[corner] - places_[vertex_]).squaredNorm() < reach_ * reach_)) continue;
-      if (std::ranges::all_of(around, [this](Index t) { return is_near(t); }))
-        count({corner, -1, -1}, {1.0, 0.0, 0.0}, 1);
+      double reach = surface_.reach();
+      for (const Index t : around) reach = std::min(reach, reach_of(t));
+      if ((places_[corner] - places_[vertex_]).squaredNorm() < reach * reach)
+        count({corner, -1, -1}, {1.0, 0.0, 0.0}, reach, 1);
     }
   }
 
@@ -127,16 +145,18 @@ class NearVertex {
       pair.vertices[k + 1] = feature.vertices[k];
       pair.weights[k + 1] = -feature.weights[k];
       between -= feature.weights[k] * places_[feature.vertices[k]];
+      if (k > 0) add_parameter(pair, 1, k + 1, -1.0, places_[feature.vertices[k]] - places_[feature.vertices[0]]);
     }
-    press(pair, between, 0.5 * feature.times * surface_.area(vertex_), barrier(between.norm(), reach_, stiffness_));
+    press(pair, between, 0.5 * feature.times * surface_.area(vertex_),
+          barrier(between.norm(), feature.reach, stiffness_));
     to.push_back(pair);
   }
 
   const ContactSurface& surface_;
   std::span<const Vec3> places_;
-  double stiffness_, reach_ = 0.0;
+  double stiffness_;
   Index vertex_ = -1;
-  std::vector<Index> near_;
+  std::vector<const VertexFacePair*> near_;
   std::vector<Feature> features_;
 };
 
@@ -153,9 +173,12 @@ void add_edges(const ContactSurface& surface, const EdgePair& edges, std::span<c
   const auto squared_at_rest = [&](Index edge) {
     return (surface.rest(surface.edges()[edge][1]) - surface.rest(surface.edges()[edge][0])).squaredNorm();
   };
+  // Where the closest point of an edge is an end, that does not move along.
+  if (closest.first > 0.0 && closest.first < 1.0) add_parameter(pair, 0, 1, 1.0, b - a);
+  if (closest.second > 0.0 && closest.second < 1.0) add_parameter(pair, 2, 3, -1.0, d - c);
   const ParallelMollifier mollifier(b - a, d - c, squared_at_rest(edges.first) * squared_at_rest(edges.second));
   const double area = 0.25 * (surface.area_of_edge(edges.first) + surface.area_of_edge(edges.second));
-  const BarrierValue value = barrier(between.norm(), edges.reach, stiffness);
+  const BarrierValue value = barrier(between.norm(), edges.reach, kEdgeStiffness * stiffness);
   press(pair, between, area * mollifier.value, value);
   const Vec3 first = area * value.energy * mollifier.first, second = area * value.energy * mollifier.second;
   pair.turning = {-first, first, -second, second};

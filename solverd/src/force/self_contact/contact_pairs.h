@@ -25,7 +25,11 @@ struct TouchingPair {
   double distance = 0.0;       // mm
   double energy = 0.0;         // mN mm
   double slope = 0.0;          // of the energy to the distance, mN
-  double stiffness = 0.0;      // of the tangent, mN/mm, not negative
+  double stiffness = 0.0;      // its second derivative to the distance, mN/mm, not negative
+  // How the weights change with the parameters of the closest points, and the edges that these are along, mm.
+  int parameters = 0;
+  std::array<std::array<double, 4>, 2> turns{};
+  std::array<Vec3, 2> edges{Vec3::Zero(), Vec3::Zero()};
   std::array<Vec3, 4> turning{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // see gradient
 
   // Of the energy to vertex k, mN. turning: what comes of edges that are nearly parallel and turn.

@@ -8,7 +8,6 @@
 #include "force/self_contact/distances.h"
 
 namespace lappet {
-
 ContactSurface::ContactSurface(const Lattice& lattice, const Surface& surface, double reach, const Interrupt& interrupt)
     : lattice_(lattice),
       reach_(reach),
@@ -19,7 +18,6 @@ ContactSurface::ContactSurface(const Lattice& lattice, const Surface& surface, d
   find_edges();
   interrupt.check();
   find_areas();
-  find_reaches(interrupt);
 }
 
 std::array<Vec3, 3> ContactSurface::rest_of(Index triangle) const {
@@ -64,31 +62,17 @@ void ContactSurface::find_areas() {
       area_of_edge_[edges_of_triangle_[t][k]] += third;
     }
   }
-  const double least = kMinArea * lattice_.settings.spacing * lattice_.settings.spacing;
-  for (auto* areas : {&area_of_vertex_, &area_of_edge_})
-    for (double& area : *areas) area = std::max(area, least);
+  const double face = lattice_.settings.spacing * lattice_.settings.spacing;
+  for (double& area : area_of_vertex_) area = std::max(area, kMinArea * face);
+  for (double& area : area_of_edge_) area = std::max(area, kMinEdgeArea * face);
 }
 
-void ContactSurface::find_reaches(const Interrupt& interrupt) {
-  reach_of_vertex_.assign(rest_.size(), reach_);
-  for_each_row(rest_.size(), [&](std::size_t v) {
-    interrupt.check();
-    const Vec3& point = rest_[v];
-    double nearest = reach_ / kShareOfRest;
-    tree_.for_each_near({point, point, Vec3::Zero(), Vec3::Zero()}, nearest, [&](Index t) {
-      if (!counts(to_index(v), t)) return;
-      const auto [a, b, c] = rest_of(t);
-      nearest = std::min(nearest, std::sqrt(closest_on_triangle(point, a, b, c).squared_distance));
-    });
-    reach_of_vertex_[v] = kShareOfRest * nearest;
-  });
-}
-
-bool ContactSurface::counts(Index vertex, Index triangle) const {
+double ContactSurface::reach_to(Index vertex, Index triangle) const {
   const auto& [a, b, c] = triangles_[triangle];
-  if (a == vertex || b == vertex || c == vertex) return false;
-  return closest_on_triangle(rest_[vertex], rest_[a], rest_[b], rest_[c]).squared_distance >
-         kTouchesAtRest * kTouchesAtRest;
+  if (a == vertex || b == vertex || c == vertex) return 0.0;
+  const double apart = std::sqrt(closest_on_triangle(rest_[vertex], rest_[a], rest_[b], rest_[c]).squared_distance);
+  if (!(apart > kTouchesAtRest)) return 0.0;
+  return std::min(reach_, kShareOfRest * apart);
 }
 
 double ContactSurface::reach_of(Index edge, Index other) const {
@@ -96,7 +80,8 @@ double ContactSurface::reach_of(Index edge, Index other) const {
   if (ends[0] == ends[2] || ends[0] == ends[3] || ends[1] == ends[2] || ends[1] == ends[3]) return 0.0;
   const auto [a, b, c, d] = at(rest_, ends);
   const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
-  return apart > kTouchesAtRest ? kEdgeShare * std::min(reach_, kShareOfRest * apart) : 0.0;
+  if (!(apart > kTouchesAtRest)) return 0.0;
+  return std::min(kEdgeShare * reach_, kEdgeShareOfRest * apart);
 }
 
 template <class Real>
@@ -117,7 +102,7 @@ void ContactSurface::displacements(std::span<const Real> u, std::vector<Vec3>& r
 }
 
 std::size_t ContactSurface::bytes() const {
-  return rest_.size() * (sizeof(Vec3) + 2 * sizeof(double)) + triangles_.size() * (6 * sizeof(Index) + 1) +
+  return rest_.size() * (sizeof(Vec3) + sizeof(double)) + triangles_.size() * (6 * sizeof(Index) + 1) +
          edges_.size() * (4 * sizeof(Index) + sizeof(double)) + around_.bytes() + tree_.bytes();
 }
 

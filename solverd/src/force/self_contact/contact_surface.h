@@ -1,9 +1,9 @@
 // The surface of an epoch as what touches itself: its triangles, edges and vertices, embedded in the lattice, with the
 // areas that they stand for and the distances that they have at rest.
 //
-// The barrier of a pair begins where the surfaces come as near as `reach`, but never farther than a share of what they
-// are apart at rest: it is zero there, however thin a cut is. Primitives that all but touch at rest, slivers of
-// triangles, never count as a pair.
+// The barrier of a pair begins where the surfaces come as near as `reach`, but never farther than a share of what the
+// two are apart at rest: it is zero there, however thin a cut is. A wall of a cut therefore keeps less apart from the
+// wall that it was cut from than from any other tissue. Primitives that all but touch at rest never count as a pair.
 #pragma once
 #include <array>
 #include <span>
@@ -20,18 +20,19 @@ namespace lappet {
 inline constexpr double kShareOfRest = 0.5;
 // Closer at rest, mm, is touching: positions in single precision tell no more apart.
 inline constexpr double kTouchesAtRest = 1e-3;
-// Two edges keep apart at this share of the distance at which a vertex and a face do: faces carry the pressure, edges
+// Two edges keep apart from these shares of the reach or of their distance at rest on: faces carry the pressure, edges
 // stand in only where one ridge meets another.
-inline constexpr double kEdgeShare = 0.4;
+inline constexpr double kEdgeShare = 0.5, kEdgeShareOfRest = 0.2;
 
 // Of a field over the vertices, that of some.
 inline std::array<Vec3, 4> at(std::span<const Vec3> field, const std::array<Index, 4>& vertices) {
   return {field[vertices[0]], field[vertices[1]], field[vertices[2]], field[vertices[3]]};
 }
 
-// The least area that a vertex or an edge stands for, in squares of the spacing: a sliver cannot bear what the cell
-// that carries it presses with.
-inline constexpr double kMinArea = 0.05;
+// The least areas that a vertex and an edge stand for, in squares of the spacing: a sliver bears what the cell that
+// carries it presses with, and a single pair of edges what a whole ridge does. With less of it the barrier would bear
+// such a load only at a tiny distance, along which no step can slide.
+inline constexpr double kMinArea = 0.25, kMinEdgeArea = 1.0;
 
 class ContactSurface {
  public:
@@ -66,13 +67,12 @@ class ContactSurface {
   bool owns_vertex(Index triangle, int k) const { return owned_[triangle] >> k & 1; }
   bool owns_edge(Index triangle, int k) const { return owned_[triangle] >> (3 + k) & 1; }
 
-  double area(Index vertex) const { return area_of_vertex_[vertex]; }    // a third of its triangles, mm^2
+  double area(Index vertex) const { return area_of_vertex_[vertex]; }    // a third of its triangles, mm^2, or the least
   double area_of_edge(Index edge) const { return area_of_edge_[edge]; }  // likewise
-  // From where on the barrier of a vertex acts, against whatever face.
-  double reach_of(Index vertex) const { return reach_of_vertex_[vertex]; }
+  // From where on the barrier of a vertex and a face acts; 0: they do not count.
+  double reach_to(Index vertex, Index triangle) const;
   // Of two edges; 0: they do not count.
   double reach_of(Index edge, Index other) const;
-  bool counts(Index vertex, Index triangle) const;  // whether they may touch: they share no vertex
 
   // The tree over its triangles, at rest until it is refitted.
   const BoxTree& tree() const { return tree_; }
@@ -87,7 +87,6 @@ class ContactSurface {
  private:
   void find_edges();
   void find_areas();
-  void find_reaches(const Interrupt& interrupt);
 
   const Lattice& lattice_;
   double reach_;
@@ -97,7 +96,7 @@ class ContactSurface {
   std::vector<std::array<Index, 2>> triangles_of_edge_;
   Groups around_;
   std::vector<std::uint8_t> owned_;
-  std::vector<double> area_of_vertex_, area_of_edge_, reach_of_vertex_;
+  std::vector<double> area_of_vertex_, area_of_edge_;
   BoxTree tree_;
 };
 
