@@ -27,22 +27,22 @@ from lappet.reports.literature.published import Published
 POUND_FORCE = 4.448  # N
 
 _FURNAS = "Furnas and Fischer, Br. J. Plast. Surg. 24 (1971) 144, after Limberg"
-_DVM = "dvm360, Skin flaps (2004)"
+_DVM = "dvm360 (2004)"
 _ROGGENDORF = "Roggendorf (1982)"
 _ALBERINI = "Alberini et al., Procedia Structural Integrity 33 (2021) 556"
 _TURN = "Dermatology Research and Practice (2010) 982623"
 _ARC = "BMC Surgery (2023), 101 patients"
-_CHEN = "Chen, on dog-ears and the angle of the ends"
+_CHEN = "Chen, as quoted in reviews"
 _PIGS = "Plast. Reconstr. Surg. (1980), tension lines of pigs"
 _PIGLETS = "Plast. Reconstr. Surg. 107 (2001) 1201, undermining in piglets"
-_AHMAD = "Ahmad et al. (2019), strips of scalp in hair transplantation"
-_LARRABEE = "Larrabee et al., Arch. Otolaryngol. 107 (1981), flaps in piglets"
-_RHOMBOID = "Larrabee, Trachy, Sutton and Cox, Arch. Otolaryngol. 107 (1981) 755, rhomboid flap dynamics"
+_AHMAD = "Ahmad et al. (2019)"
+_LARRABEE = "Larrabee et al. (1981), in piglets"
+_RHOMBOID = "Larrabee et al., Rhomboid flap dynamics, Arch. Otolaryngol. 107 (1981) 755, quoted from memory"
 _V_Y = "J. Plast. Reconstr. Aesthet. Surg. (2012) S1748-6815(12)00115-5"
 
 _HELD = (
-    "the skin around is held by its tension and by the patch's rim, so that the gain spreads into it instead of "
-    "showing at the ends of the scar; paper is free"
+    "presumably the skin around, which its tension and the patch's rim hold, takes up the gain before it shows at the "
+    "ends of the scar, as paper does not"
 )
 
 
@@ -115,7 +115,7 @@ ROWS = (
         "25 % on paper, ± 5 chosen here; in vitro less, and 30° can even shorten (Roggendorf 1982)",
     ),
     _z_gain(45, 45.0, 55.0, _FURNAS, "50 % on paper, ± 5 chosen here"),
-    _z_gain(60, 41.0, 63.0, _DVM, "in skin of dogs"),
+    _z_gain(60, 41.0, 63.0, _DVM, "measured in tissue"),
     _z_gain(75, 95.0, 105.0, _FURNAS, "100 % on paper, ± 5 chosen here"),
     _z_gain(90, 115.0, 125.0, _FURNAS, "120 % on paper, ± 5 chosen here"),
     Published(
@@ -153,7 +153,7 @@ ROWS = (
         "36 designs simulated",
         "30, 45, 60, 75 and 90° solved",
         Measure(tuple(f"z-plasty-{angle}" for angle in (30, 45, 60, 75, 90)), _peak),
-        "the more a Z-plasty gains on paper, the more the skin around holds it back",
+        "the more a Z-plasty gains on paper, the more the skin around seems to hold it back",
     ),
     _turn(30, 45.0),
     _turn(45, 60.0),
