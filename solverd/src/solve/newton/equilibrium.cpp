@@ -25,12 +25,9 @@ namespace {
 constexpr int kMaxLinearIterations = 120;
 // The linear solve that carries prescribed motion is exact: nearly incompressible tissue otherwise starts from a volume
 // that is wrong everywhere. In a search that begins with a jump a few per cent do for the rest, as Newton's own model
-// is no better; one that starts near its end takes the fewest products with the tangent at 3 %, and at a stricter
-// tolerance, which leaves many orders to go, at 1 %.
+// is no better; one that starts near its end takes the fewest iterations at one.
 constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMaxTolerance = 0.1;
 constexpr double kForcing = 0.3;
-constexpr double kNearPerTolerance = 30.0;  // tolerances of the residual, but 3 % at most
-constexpr double kMaxNearTolerance = 3e-2;
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
 // A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
 constexpr double kRoundedResidual = 0.1;
@@ -279,7 +276,8 @@ class EquilibriumSearch {
     outcome_.seconds_update += watch_.lap();
     const double forcing =
         kForcing * augmented_lagrangian_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
-    const double target = carries ? kCarryTolerance : std::clamp(forcing, least_tolerance(), kMaxTolerance);
+    const double least = jumped_ ? kFarTolerance : kNearTolerance;
+    const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
     // What comes of a step from afar says nothing of the next one.
     const bool tracks = options_.accuracy == Accuracy::kFrame && !carries &&
                         (arriving || outcome_.residual <= kClose * options_.tolerance);
@@ -331,11 +329,6 @@ class EquilibriumSearch {
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
     return true;
-  }
-
-  double least_tolerance() const {
-    return jumped_ ? kFarTolerance
-                   : std::clamp(kNearPerTolerance * options_.tolerance, kNearTolerance, kMaxNearTolerance);
   }
 
   void set_right_hand_side(bool carries) {
