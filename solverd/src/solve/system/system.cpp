@@ -18,6 +18,8 @@ namespace {
 
 // The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
 constexpr double kHeldStiffness = 300.0;
+// How much it may grow: beyond, single precision rounds away what the tissue resists with.
+constexpr double kMaxHeldGrowth = 10.0;
 // The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
 // cells share it: a finer lattice does not hold loose tissue back the more.
 constexpr double kDrift = 1e-5, kDriftCells = 64.0;
@@ -379,7 +381,7 @@ template <class Real>
 void System<Real>::stiffen_widest(double factor, std::span<const Real> u, const Multipliers& multipliers) {
   ++revision_;
   if (held_gap(u) > suture_gap(u, multipliers)) {
-    held_growth_ *= factor;
+    held_growth_ = std::min(factor * held_growth_, kMaxHeldGrowth);
     return set_quadratics();
   }
   for (PointConstraint& constraint : point_constraints_)
