@@ -68,8 +68,9 @@ def test_a_nasolabial_flap_reaches_from_its_pivot_to_the_far_side_of_the_defect(
 
 
 def test_a_nasolabial_flap_longer_than_its_donor_site_is_refused() -> None:
-    with refuses(ProblemCode.DESIGN_ANGLE):
-        nasolabial_flap(np.zeros(3), (1.0, 0.0, 0.0), 12.0, angle=140.0)
+    with refuses(ProblemCode.DESIGN_RANGE, "nasolabial") as problems:
+        nasolabial_flap(np.zeros(3), (1.0, 0.0, 0.0), 12.0, angle=140.0, height=2.5)
+    assert problems[0].value == "2.5"  # the height, which may be as the flap needs it
 
 
 def test_a_dorsal_nasal_flap_slides_along_the_groove_by_what_was_asked_for() -> None:
@@ -94,5 +95,6 @@ def test_the_crescent_of_an_upper_lid_has_its_height_where_it_is_widest() -> Non
     assert lower[:, 1].max() - lower[0, 1] == pytest.approx(2.5, abs=0.02)
     assert lower[0] == pytest.approx(upper[0])
     assert lower[-1] == pytest.approx(upper[-1])
-    with refuses(ProblemCode.DESIGN_OVAL):
+    with refuses(ProblemCode.DESIGN_RANGE, "upper-lid") as problems:
         drawn("upper-lid", length=15.0, width=9.0)
+    assert problems[0].value == "9"

@@ -21,7 +21,7 @@ from lappet.reports.literature.measured import (
     scar_gain,
     scar_length,
 )
-from lappet.reports.literature.operations import OPERATIONS, operation
+from lappet.reports.literature.operations import OPERATIONS
 from lappet.reports.literature.page import literature_page
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
@@ -39,7 +39,7 @@ def row(least: float, most: float) -> Published:
 @pytest.fixture(scope="module")
 def fusiform(tmp_path_factory: pytest.TempPathFactory) -> SolveResult:
     """An excision of 2 : 1 on a coarse lattice."""
-    return solve_procedure(operation("fusiform-2", COARSE), tmp_path_factory.mktemp("literature") / "fusiform.usdc")
+    return solve_procedure(OPERATIONS["fusiform-2"](COARSE), tmp_path_factory.mktemp("literature") / "fusiform.usdc")
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_a_closing_force_is_the_sum_over_the_sutures_that_the_lattice_resolves(f
 def test_before_it_is_cut_a_z_plasty_has_gained_nothing_and_its_limb_lies_at_the_angle_drawn(
     angle: int, tmp_path: Path
 ) -> None:
-    result = solve_procedure(operation(f"z-plasty-{angle}", COARSE), tmp_path / "z.usdc", frames=(1, 1))
+    result = solve_procedure(OPERATIONS[f"z-plasty-{angle}"](COARSE), tmp_path / "z.usdc", frames=(1, 1))
     assert scar_gain(result).value == pytest.approx(0.0, abs=0.05)
     assert limb_turn(result).value == pytest.approx(angle, abs=0.05)
 
@@ -134,7 +134,7 @@ def test_the_command_prints_the_rows_and_the_page_shows_them(tmp_path: Path) -> 
     assert found["verdict"] == Verdict.AGREES.value  # in taut skin a cut across the lines gapes more
     page = literature_page(results)
     assert "### lines-gape" in page
-    assert "1 rows: 1 agree" in page
+    assert "1 row: 1 agree" in page
     assert "Disagrees" not in page
     found["verdict"] = Verdict.DISAGREES.value
     assert "Disagrees" in literature_page(results)

@@ -193,7 +193,8 @@ def literature(context: click.Context, /, rows: tuple[str, ...], folder: Path, s
     A row that disagrees is a result, not a failure; docs/literature.md names the rows.
     """
     with sentences(context):
-        from lappet.reports.literature.run import SPACING, run_literature
+        from lappet.designs.library_operation import SPACING
+        from lappet.reports.literature.run import run_literature
 
         text, files = run_literature(rows, folder, _say, spacing=spacing or SPACING)
         click.echo(text)

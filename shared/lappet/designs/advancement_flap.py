@@ -16,12 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 from lappet.designs.burow_triangle import burow_triangle
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, Excised, FlapDesign, Seam, Spot
+from lappet.designs.flat_curves import NICK, part, polyline, segment
 from lappet.designs.flat_curves import length as length_of
-from lappet.designs.flat_curves import part, polyline, segment
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
-
-NICK = 0.3  # mm by which an incision begins inside the defect
 
 
 def u_plasty(

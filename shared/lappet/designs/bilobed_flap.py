@@ -21,11 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam, Spot
-from lappet.designs.flat_curves import arc, bow, length, part, segment
+from lappet.designs.flat_curves import NICK, arc, bow, length, part, segment
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
-
-NICK = 0.3  # mm by which the incision begins inside the defect
 
 
 def bilobed(

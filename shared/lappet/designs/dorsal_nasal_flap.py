@@ -20,12 +20,11 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam, Spot
-from lappet.designs.flat_curves import arc, part, segment
+from lappet.designs.flat_curves import NICK, arc, part, segment
 from lappet.designs.flat_curves import length as length_of
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
-NICK = 0.3  # mm by which the incision begins inside the defect
 STEM = 0.75  # of the slide: how much of the back-cut's outer lip goes into the stem
 OFF = np.radians(23.0)  # of the back-cut from the middle line
 _STEP = 0.5  # mm from point to point of the defect
@@ -82,7 +81,8 @@ def dorsal_nasal_flap(
     measures = {"diameter": diameter, "length": length, "half_width": half_width, "back_cut": back_cut, "slide": slide}
     require_lengths("dorsal_nasal", **measures)
     if not length > 2.0 * diameter:
-        raise refused(ProblemCode.DESIGN_OVAL, "dorsal-nasal", f"{diameter:g}", length=0.5 * length)
+        most = f"less than {0.5 * length:g} mm"
+        raise refused(ProblemCode.DESIGN_RANGE, "dorsal-nasal", f"{diameter:g}", name="diameter", range=most)
     r, s = 0.5 * diameter, slide * diameter
     plane = DesignPlane.at(center, skin_axes(direction, normal, "dorsal_nasal"), mirrored, project)
     upper = arc(np.zeros(2), r, 60.0, -60.0, _STEP)  # from the pivot's side to D

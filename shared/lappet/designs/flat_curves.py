@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 STEP = 1.0  # mm between the points of a curve, so that it follows a curved skin
+NICK = 0.3  # mm by which an incision begins inside what is excised
 GOTHIC = 1.3  # exponent of a pointed bow: 1 is a triangle, 2 a parabola
 
 

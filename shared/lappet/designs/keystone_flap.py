@@ -20,12 +20,10 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Corner, FlapDesign, Seam
-from lappet.designs.flat_curves import arc, part, segment
+from lappet.designs.flat_curves import NICK, arc, part, segment
 from lappet.designs.flat_curves import length as length_of
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
-
-NICK = 0.3  # mm by which the incision begins inside the defect
 
 
 def keystone_flap(

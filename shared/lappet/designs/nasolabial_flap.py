@@ -19,12 +19,11 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam, Spot
-from lappet.designs.flat_curves import GOTHIC, arc, part, segment
+from lappet.designs.flat_curves import GOTHIC, NICK, arc, part, segment
 from lappet.designs.flat_curves import length as length_of
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
-NICK = 0.3  # mm by which an incision begins inside what is excised
 _STEP = 0.5  # mm from point to point
 
 
@@ -76,13 +75,13 @@ def nasolabial_flap(
     pivot, middle = np.zeros(2), np.array([2.0 * r, 0.0])
     touch = np.sqrt(3.0) * r * np.array([np.cos(np.pi / 6.0), np.sin(np.pi / 6.0)])
     start = np.array([2.0 * r, r])  # S
-    turn = np.radians(angle)
-    end = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ start  # E
+    end = _turned(start, angle)  # E
     foot = 0.5 * (start + end)
     out = foot / np.linalg.norm(foot)
     long = 3.0 * r - float(np.linalg.norm(foot))
-    if not height * r > 1.2 * long > 0.0:
-        raise refused(ProblemCode.DESIGN_ANGLE, "nasolabial", f"{angle:g}", least=45, most=75)
+    if not height * r > 1.2 * long:
+        least = f"more than {1.2 * long / r:.2f} radii"
+        raise refused(ProblemCode.DESIGN_RANGE, "nasolabial", f"{height:g}", name="height", range=least)
     rise, fall, cap, tip = _arch(start, end, out, long, height * r)
     far = arc(middle, r, -90.0, 90.0, step=_STEP)
     near = np.vstack([segment(pivot, touch), arc(middle, r, 120.0, 90.0, step=_STEP)[1:]])  # from P to S
@@ -145,6 +144,11 @@ def _arch(
     cap = curve(round_end, first, last)
     cap[0], cap[-1] = ends[0][-1], ends[1][0]
     return ends[0], ends[1], cap, tip
+
+
+def _turned(point: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    turn = np.radians(angle)
+    return np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ point
 
 
 def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:

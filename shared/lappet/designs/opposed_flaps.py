@@ -19,9 +19,8 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane
 from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam
-from lappet.designs.flat_curves import STEP, at_shares, length, part
+from lappet.designs.flat_curves import NICK, STEP, at_shares, length, part
 
-NICK = 0.3  # mm by which an incision begins inside the defect
 # Half a turn takes what is said of flap 1 to flap 2. The upper half rim from P on is the lower one from Q turned.
 FLAPS = (("first", 1.0), ("second", -1.0))
 

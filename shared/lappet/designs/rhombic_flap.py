@@ -30,12 +30,11 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
-from lappet.designs.flat_curves import segment
+from lappet.designs.flat_curves import NICK, segment
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
 STEP = 1.5  # mm between the points of a side, so that it follows a curved skin
-NICK = 0.3  # mm by which the first limb begins inside the defect
 
 
 def limberg(

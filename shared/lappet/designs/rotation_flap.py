@@ -16,12 +16,11 @@ from lappet.core.problem_code import ProblemCode
 from lappet.designs.burow_triangle import burow_triangle
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam, Spot
-from lappet.designs.flat_curves import arc, part, segment
+from lappet.designs.flat_curves import NICK, arc, part, segment
 from lappet.designs.flat_curves import length as length_of
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
-NICK = 0.3  # mm by which the incision begins inside the defect
 MOST_SWEEP = 200  # degrees of the arc: beyond, the flap's base would be narrower than its defect
 
 

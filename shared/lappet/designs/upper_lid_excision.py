@@ -71,7 +71,9 @@ def upper_lid_excision(
     """
     require_lengths("upper_lid", length=length, width=width)
     if width > 0.5 * length:
-        raise refused(ProblemCode.DESIGN_OVAL, "upper-lid", f"{width:g}", length=length)
+        raise refused(
+            ProblemCode.DESIGN_RANGE, "upper-lid", f"{width:g}", name="width", range=f"at most {0.5 * length:g} mm"
+        )
     share = np.linspace(0.0, 1.0, 401)
     lower = np.column_stack([(share - 0.5) * length, 4.0 * arch * share * (1.0 - share) + tail * share**2])
     high = np.sin(0.5 * np.pi * np.where(share < widest, share / widest, (1.0 - share) / (1.0 - widest)))

@@ -235,6 +235,7 @@ TEST(SelfContact, TheTangentOfFlatSurfacesIsThatOfTheGradient) {
   ASSERT_TRUE(state.touches());
   const SparseRows rows = boxes.contact().rows(state.pairs);
   ASSERT_GE(rows.count(), state.pairs.size());
+  ASSERT_LE(rows.count(), 3 * state.pairs.size());
   std::vector<double> way(boxes.u().size());
   for (std::size_t n = 0; n < way.size() / 3; ++n) way[3 * n + 2] = std::sin(7.0 * double(n));
   std::vector<double> product(way.size(), 0.0);

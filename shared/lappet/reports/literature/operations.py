@@ -134,24 +134,6 @@ def _point(xyz: np.ndarray) -> Point:
     return (float(xyz[0]), float(xyz[1]), float(xyz[2]))
 
 
-def operation(name: str, spacing: float) -> Procedure:
-    """Make an operation.
-
-    Parameters
-    ----------
-    name
-        Its name, of `OPERATIONS`.
-    spacing
-        Edge of the lattice's cells in mm.
-
-    Returns
-    -------
-    Procedure
-        The operation.
-    """
-    return OPERATIONS[name](spacing)
-
-
 def _flap(name: str, preset: Preset = TRUNK, **values: float) -> Callable[[float], Procedure]:
     return lambda spacing: flap(name, values, preset, spacing)
 
@@ -163,7 +145,7 @@ def _excision(
     return lambda spacing: flap("fusiform", values, preset, spacing, lines, undermined=undermined)
 
 
-OPERATIONS: dict[str, Callable[[float], Procedure]] = {
+OPERATIONS: dict[str, Callable[[float], Procedure]] = {  # of the edge of the lattice's cells in mm
     **{f"z-plasty-{angle}": partial(z_plasty_of, angle) for angle in (30, 45, 60, 75, 90)},
     **{f"fusiform-{ratio}": _excision(TRUNK, ratio=ratio) for ratio in (2, 3, 4, 5)},
     "fusiform-across": _excision(TRUNK, ACROSS),

@@ -18,7 +18,7 @@ _INTRODUCTION = """# Beside the literature
 published. `make docs` writes this page from the last run, kept in `docs/literature.json`.
 
 ```
-lappet report literature                             # all rows, about half an hour on two cores
+lappet report literature                             # all rows, half an hour on two busy cores
 lappet report literature z-plasty-gain-60 -o DIR     # some of them
 ```
 
@@ -48,6 +48,7 @@ def literature_page(results: Mapping[str, Any]) -> str:
     shown = [row for row in ROWS if row.name in found]
     counts = Counter(found[row.name]["verdict"] for row in shown)
     totals = ", ".join(f"{counts[verdict.value]} {_COUNTED[verdict]}" for verdict in Verdict if counts[verdict.value])
+    number = "1 row" if len(shown) == 1 else f"{len(shown)} rows"
     table = [
         [
             row.quantity,
@@ -60,7 +61,7 @@ def literature_page(results: Mapping[str, Any]) -> str:
     return "\n".join(
         [
             _INTRODUCTION,
-            f"## All rows\n\n{len(shown)} rows: {totals}. Cells of {float(results['spacing_mm']):.3g} mm.\n",
+            f"## All rows\n\n{number}: {totals}. Cells of {float(results['spacing_mm']):.3g} mm.\n",
             described(results) + "\n",
             markdown_table(["what", "published", "here", ""], table) + "\n",
             "## Row by row\n",

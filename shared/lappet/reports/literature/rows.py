@@ -6,7 +6,7 @@ given numbers here; the row says so.
 
 from __future__ import annotations
 
-from math import inf
+from math import cos, inf, radians, sqrt
 
 from lappet.output.solve_to_cache import SolveResult
 from lappet.reports.literature.measured import (
@@ -25,6 +25,7 @@ from lappet.reports.literature.measured import (
 from lappet.reports.literature.published import Published
 
 POUND_FORCE = 4.448  # N
+_ANGLES = (30, 45, 60, 75, 90)  # of the Z-plasties, in degrees
 
 _FURNAS = "Furnas and Fischer, Br. J. Plast. Surg. 24 (1971) 144, after Limberg"
 _DVM = "dvm360 (2004)"
@@ -76,15 +77,16 @@ def _turn(angle: int, published: float) -> Published:
     )
 
 
-def _peak(*results: SolveResult) -> Measured:
-    """The angle whose gain is the largest share of what it is on paper."""
-    gains = {
-        angle: scar_gain(result).value / paper
-        for result, (angle, paper) in zip(
-            results, ((30, 23.9), (45, 47.4), (60, 73.2), (75, 99.1), (90, 123.6)), strict=True
-        )
-    }
-    return Measured(float(max(gains, key=lambda angle: gains[angle])))
+def _share_reached(angle: int, result: SolveResult) -> Measured:
+    """What a Z-plasty gains, as a share of its gain on paper, sqrt(5 - 4 cos angle) - 1 (`lappet.designs`)."""
+    return scar_gain(result).times(0.01 / (sqrt(5.0 - 4.0 * cos(radians(angle))) - 1.0))
+
+
+def _best_beside_60(*results: SolveResult) -> Measured:
+    """The share that 60° reaches over the largest of the other angles."""
+    shares = [_share_reached(angle, result) for angle, result in zip(_ANGLES, results, strict=True)]
+    sixty = shares.pop(_ANGLES.index(60))
+    return sixty.per(max(shares, key=lambda share: share.value))
 
 
 def _share_off(held: SolveResult, freed: SolveResult) -> Measured:
@@ -127,7 +129,7 @@ ROWS = (
         _ROGGENDORF,
         "in vitro just below the geometry, or shorter",
         "the same",
-        Measure(("z-plasty-30",), lambda result: scar_gain(result).times(1.0 / 23.9)),
+        Measure(("z-plasty-30",), lambda result: _share_reached(30, result)),
     ),
     Published(
         "z-plasty-60-over-30",
@@ -140,19 +142,19 @@ ROWS = (
         "the same",
         Measure(
             ("z-plasty-60", "z-plasty-30"),
-            lambda sixty, thirty: scar_gain(sixty).times(1.0 / 73.2).per(scar_gain(thirty).times(1.0 / 23.9)),
+            lambda sixty, thirty: _share_reached(60, sixty).per(_share_reached(30, thirty)),
         ),
     ),
     Published(
         "z-plasty-best-angle",
-        "angle at which the largest share of the gain on paper is reached",
-        "°",
-        60.0,
-        60.0,
+        "share of the gain on paper that is reached: 60° over the best of 30, 45, 75 and 90°",
+        "",
+        1.0,
+        inf,
         _ALBERINI,
-        "36 designs simulated",
-        "30, 45, 60, 75 and 90° solved",
-        Measure(tuple(f"z-plasty-{angle}" for angle in (30, 45, 60, 75, 90)), _peak),
+        "of 36 designs simulated 60° elongates most efficiently",
+        "the same",
+        Measure(tuple(f"z-plasty-{angle}" for angle in _ANGLES), _best_beside_60),
         "the more a Z-plasty gains on paper, the more the skin around seems to hold it back",
     ),
     _turn(30, 45.0),

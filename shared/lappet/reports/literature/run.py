@@ -9,15 +9,13 @@ from pathlib import Path
 from lappet.bench.tables import markdown_table
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.library_operation import SPACING
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
 from lappet.reports.literature.measured import Measured
-from lappet.reports.literature.operations import operation
+from lappet.reports.literature.operations import OPERATIONS
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
 from lappet.reports.report_files import head, make_folder, write_csv, write_json
-
-SPACING = 4.0 / 3.0
-"""Edge of the lattice's cells in mm, as in the atlas."""
 
 RESULTS = "literature.json"
 
@@ -99,7 +97,7 @@ def run_literature(
     make_folder(folder)
     solved: dict[str, SolveResult] = {}
     for name in dict.fromkeys(name for row in rows for name in row.measure.operations):
-        result = solve_procedure(operation(name, spacing), folder / f"{name}.usdc")
+        result = solve_procedure(OPERATIONS[name](spacing), folder / f"{name}.usdc")
         converged = sum(frame.solved.converged for frame in result.frames)
         say(f"{name}: {converged} of {len(list(result.procedure.frames()))} frames converged.")
         if result.complete:

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -395,18 +394,10 @@ class EquilibriumSearch {
     bent_ = !carries && std::abs(taken.ratio - 1.0) > kBent;
     if (options_.accuracy == Accuracy::kRelaxation)
       return true;  // the many small searches of a relaxation are not logged
-    spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}{}",
+    spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, minimum_j, linear_.iterations,
-                  linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio,
-                  contacts());
+                  linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
     return true;
-  }
-
-  std::string contacts() const {
-    const auto& pairs = now_.self_contact.pairs;
-    if (pairs.empty()) return "";
-    const auto nearest = std::ranges::min_element(pairs, {}, &TouchingPair::distance);
-    return fmt::format(" | {} pairs touch, {:.2g} mm apart at least", pairs.size(), nearest->distance);
   }
 
   // A step that was cut short may have left a valley that bends: it is followed. Not soon again where that was in vain.

@@ -18,7 +18,7 @@ namespace {
 
 // The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
 constexpr double kHeldStiffness = 300.0;
-// How much it may grow: beyond, single precision rounds away what the tissue resists with.
+// How much it may grow, chosen: that closes what slivers keep open, and a tilted bar takes longer with ten times more.
 constexpr double kMaxHeldGrowth = 10.0;
 // The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
 // cells share it: a finer lattice does not hold loose tissue back the more.
@@ -180,8 +180,11 @@ void System<Real>::set_point_constraints(std::vector<PointConstraint> constraint
   }
   point_tangent_.roots.assign(pieces, Eigen::Matrix3d::Zero());
   point_tangent_.rows.assign(rows, Vec3::Zero());
-  if (!same || held_growth_ != 1.0) ++revision_;
-  if (std::exchange(held_growth_, 1.0) != 1.0) set_quadratics();
+  if (std::exchange(held_growth_, 1.0) != 1.0) {
+    same = false;
+    set_quadratics();
+  }
+  if (!same) ++revision_;
 }
 
 template <class Real>
