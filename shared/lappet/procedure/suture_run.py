@@ -71,7 +71,7 @@ class SutureRun:
     Parameters
     ----------
     name
-        Name of the event, unique in the procedure; its stitches are called `name/1`, or `name/skin/1` in several layers.
+        Name of the event, unique in the procedure; its stitches are `name/1`, or `name/skin/1` in several layers.
     edges
         Points along both edges on the skin in mm, each of shape (n, 3), kept in single precision; the first points of
         the edges meet, and the last.
@@ -99,8 +99,8 @@ class SutureRun:
     pass_depth
         Depth in which the thread of a pattern crosses the wound in mm.
     order
-        "halving": the corners and the middle first, then the middles of the halves, and so on; "forward": from the start
-        on; "together": all at once.
+        "halving": the corners and the middle first, then the middles of the halves, and so on; "forward": from the
+        start on; "together": all at once.
     mode
         "exact" or "thread", of interrupted stitches; those of other patterns are threads.
     thread
@@ -170,7 +170,9 @@ def describe_run(run: SutureRun) -> str:
         A part of a sentence.
     """
     first, second = run.lengths
-    layers = " and ".join(layer.name if layer.depth == 0.0 else f"{number(layer.depth)} mm deep" for layer in run.layers)
+    layers = " and ".join(
+        layer.name if layer.depth == 0.0 else f"{number(layer.depth)} mm deep" for layer in run.layers
+    )
     order = {"halving": ", by halving", "forward": ", from the start on", "together": ", all at once"}
     hold = "closed exactly"
     if run.pattern != "interrupted" or run.mode != "exact":
