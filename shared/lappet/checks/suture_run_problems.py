@@ -22,7 +22,8 @@ from lappet.tissue.skin_sheet import SkinSheet
 UNEQUAL = 1.5
 OFF_SKIN = 0.5  # lattice spacings from the skin to an edge, at most, as of anchors (chosen)
 _NAMES = ("first", "second")
-_TOUCH = 1e-3  # mm to either side of a line that a line must reach to cross it
+_SAME = 1e-3  # mm between lines that are one
+_REACH, _TOUCH = 2.0, 0.2  # mm from a crossing at which lines that cross are apart, and by how much at least
 
 
 class RunCheck:
@@ -137,7 +138,7 @@ class RunCheck:
         first, second = (np.array(edge) for edge in self.run.edges)
         if len(first) == len(second):
             for other, side in ((second, self.run.sides[1]), (second[::-1], -self.run.sides[1])):
-                same = np.abs(first - other).max() <= _TOUCH
+                same = np.abs(first - other).max() <= _SAME
                 if same and (side == self.run.sides[0] or self.run.bite == 0.0):
                     name = "left" if side == 1 else "right"
                     self._add(ProblemCode.SUTURE_RUN_SAME_EDGE, name, Place.at(first[0], first[-1]))
@@ -188,22 +189,44 @@ def edges_cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDAr
         A place in mm at which they cross, shape (3,), or None.
     """
     starts, ways = first[:-1, None], np.diff(first, axis=0)[:, None]
-    others, paths = second[None, :-1], np.diff(second, axis=0)[None]
+    paths = np.diff(second, axis=0)[None]
     normal = np.cross(ways, paths)
     size = np.linalg.norm(normal, axis=2)
-    lengths = np.linalg.norm(ways, axis=2) * np.linalg.norm(paths, axis=2)
-    apart = others - starts
+    lengths = np.linalg.norm(ways, axis=2), np.linalg.norm(paths, axis=2)
+    apart = second[None, :-1] - starts
     with np.errstate(divide="ignore", invalid="ignore"):
         along = np.einsum("ijk,ijk->ij", np.cross(apart, paths), normal) / size**2
         reached = np.einsum("ijk,ijk->ij", np.cross(apart, ways), normal) / size**2
         gap = np.abs(np.einsum("ijk,ijk->ij", apart, normal)) / size
-        # By how much each line reaches to either side of the other.
-        sine = size / lengths
-        beyond = np.minimum(along, 1.0 - along) * np.linalg.norm(ways, axis=2) * sine
-        across = np.minimum(reached, 1.0 - reached) * np.linalg.norm(paths, axis=2) * sine
-        shorter = np.minimum(np.linalg.norm(ways, axis=2), np.linalg.norm(paths, axis=2))
-        crossing = (sine > 1e-6) & (beyond > _TOUCH) & (across > _TOUCH) & (gap < 0.1 * shorter)
-    if not crossing.any():
-        return None
-    i, j = np.argwhere(crossing)[0]
-    return np.asarray(first[i] + along[i, j] * ways[i, 0])
+    inside = (along >= 0.0) & (along <= 1.0) & (reached >= 0.0) & (reached <= 1.0)
+    near = gap < 0.1 * np.minimum(*lengths)
+    for i, j in np.argwhere((size > 1e-6 * lengths[0] * lengths[1]) & inside & near):
+        where = first[i] + along[i, j] * ways[i, 0]
+        aside = np.cross(normal[i, j], paths[0, j])
+        heights = [_height(end, second, where, aside) for end in _around(first, int(i), where)]
+        others = np.cross(normal[i, j], ways[i, 0])
+        reaches = [_height(end, first, where, others) for end in _around(second, int(j), where)]
+        if heights[0] * heights[1] < 0.0 and reaches[0] * reaches[1] < 0.0:
+            return np.asarray(where)
+    return None
+
+
+def _around(line: NDArray[np.float64], segment: int, where: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """The places of a line `_REACH` before and behind one in a segment of it, or its ends where these are nearer."""
+    found = []
+    for way in (line[: segment + 1][::-1], line[segment + 1 :]):
+        path = np.vstack([where, way])
+        reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+        at = min(_REACH, reached[-1])
+        found.append(np.array([np.interp(at, reached, path[:, axis]) for axis in range(3)]))
+    return found
+
+
+def _height(
+    point: NDArray[np.float64], line: NDArray[np.float64], where: NDArray[np.float64], aside: NDArray[np.float64]
+) -> float:
+    """How far aside of a line a point is in mm; 0 where it is on it, to `_TOUCH`."""
+    starts, ways = line[:-1], np.diff(line, axis=0)
+    shares = np.clip(np.einsum("ij,ij->i", point - starts, ways) / np.einsum("ij,ij->i", ways, ways), 0.0, 1.0)
+    off = float(np.linalg.norm(starts + shares[:, None] * ways - point, axis=1).min())
+    return off * float(np.sign((point - where) @ aside)) if off > _TOUCH else 0.0
