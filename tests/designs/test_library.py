@@ -21,7 +21,8 @@ from lappet.designs.library_operation import (
     thickness_at,
 )
 from lappet.designs.seam_sutures import sutures
-from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, SkinLine, Suture
+from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, SkinLine, Suture, SutureRun
+from lappet.suturing import with_single_sutures
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.skin_sheet import SkinSheet
