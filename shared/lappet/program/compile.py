@@ -72,10 +72,9 @@ def compile_program(
         bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
         prim.
     """
-    spacing = settings.spacing or procedure.tissue.spacing
+    spacing = settings.spacing or procedure.tissue.spacing  # also says how finely the surface is divided
     procedure = with_single_sutures(procedure, spacing)
     if epochs is None:
-        # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
     materials = with_line_tension(procedure, materials_in_use(procedure))
     regions = region_program(procedure, materials)
@@ -104,7 +103,7 @@ def compile_program(
         for time in own:
             acting = {**events.arrays(time, anchors_of), "activation": activation(materials, time)}
             frames.append(FrameConstraints(float(time), epoch.index, **acting))
-    names = [suture.name for suture in events.sutures]
+    crossed = crossed_sutures(epochs, frames, events.sutures, spacing)
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
@@ -124,7 +123,7 @@ def compile_program(
         vessels_at=tuple(vessels.values()),
         vessel_crossings=crossings,
         bones=bones,
-        notes=(*moved, *crossed_sutures(epochs, frames, names, spacing), *crossing_warnings(procedure, crossings)),
+        notes=(*moved, *crossed, *crossing_warnings(procedure, crossings)),
     )
 
 
