@@ -32,7 +32,7 @@ def test_runs_have_the_stitches_that_the_seams_have_one_by_one(name: str) -> Non
     for suture in found:
         ends = np.array(suture.anchors)
         off = np.minimum(np.abs(places - ends).max(axis=(1, 2)), np.abs(places - ends[::-1]).max(axis=(1, 2)))
-        if off.min() > 2e-4:
+        if off.min() > 0.02:
             unequal.append(float(off.min()))
     # Those in corners at the end of a run lie in its edges, not ahead of them.
     assert len(unequal) <= len(how.rows) * len(design.corners)
