@@ -26,17 +26,22 @@ from .stitch_shapes import Shape
 from .suture_pairs import BESIDE, along, incision_line, length
 
 NEAR_CUT = 3.0  # mm from an incision within which an edge is taken for one of its walls; chosen
+ON_SKIN = 0.5  # mm from the skin within which an edge is drawn on it
 _ON_CUT = 0.02  # mm from the middle of an incision within which an edge lies on neither side of it
 
 
 @dataclass(frozen=True)
 class RunEdges:
-    """The edges of a run: points (n, 3) of both at rest, mm; the sides of their tissue; how far the bites lie in it."""
+    """The edges of a run: points (n, 3) of both on the skin at rest, mm, and the sides of their tissue.
+
+    bite: how far the bites lie in it, mm; None = as is usual. depth: how deep below the skin the edges were drawn.
+    """
 
     first: NDArray[np.float64]
     second: NDArray[np.float64]
     sides: tuple[int, int]
     bite: float | None
+    depth: float = 0.0
 
 
 def edges_between(
@@ -45,7 +50,7 @@ def edges_between(
     """The edges through points at rest, mm. flip: the second runs the other way.
 
     Stitches hold the points themselves, those of a shape lie as far from them as is usual. The tissue of an edge lies
-    away from the incision beside it, else away from the other edge.
+    away from the incision beside it, else away from the other edge. Edges on the underside are those of a deep layer.
     """
     edges = [np.array(edge, np.float64).reshape(-1, 3) for edge in (first, second)]
     for name, edge in zip(("first", "second"), edges, strict=True):
@@ -54,10 +59,13 @@ def edges_between(
     if flip:
         edges[1] = edges[1][::-1]
     skin = skin_of(tissue_of(scene))
+    depth = _depth_below(skin, np.vstack(edges))
+    if depth > 0.0:
+        edges = [skin.place(edge) for edge in edges]
     cuts = _incisions(scene)
     sides = tuple(_side(edges[k], edges[1 - k], skin, cuts) for k in (0, 1))
     bite = (shape.bite or None) if shape.is_loop else 0.0
-    return RunEdges(edges[0], edges[1], (sides[0], sides[1]), bite)
+    return RunEdges(edges[0], edges[1], (sides[0], sides[1]), bite, depth)
 
 
 def edges_along(scene: bpy.types.Scene, incision: str, bite: float, shape: Shape) -> RunEdges:
@@ -111,9 +119,17 @@ def add_suture_run(
     if shape.is_loop:
         run = replace(run, pattern=PATTERN_OF[shape.kind], drawn=shape.drawn)
         run = replace(run, pass_depth=shape.depth) if shape.depth > 0.0 else run
-    elif shape.depth > 0.0:
-        run = replace(run, layers=(SutureLayer("deep", shape.depth),))
+    elif shape.depth > 0.0 or edges.depth > 0.0:
+        run = replace(run, layers=(SutureLayer("deep", shape.depth or edges.depth),))
     add_events(scene, [run])
+
+
+def _depth_below(skin: SkinSheet, points: NDArray[np.float64]) -> float:
+    """How deep below the skin places lie that were drawn on the underside; 0 where they were not."""
+    closest, normals = skin.at(points)
+    depths = np.einsum("ij,ij->i", closest - points, normals)
+    straight = np.linalg.norm(closest - points, axis=1) - depths < 0.1 * depths
+    return float(np.median(depths)) if (straight & (depths > ON_SKIN)).all() else 0.0
 
 
 def _incisions(scene: bpy.types.Scene) -> list[ClosestPoint]:

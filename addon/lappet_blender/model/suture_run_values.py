@@ -19,18 +19,17 @@ _THREAD_NAMES = {thread: name for name, thread in THREAD_OF.items()}
 def run_value(event: Any, name: str, start: float, points: tuple[Point, ...]) -> SutureRun:
     """The run of an event with these points of both edges."""
     second = min(int(event.second_from), len(points))
-    layers = tuple(SutureLayer(str(each.name), decimal(each.depth), bool(each.between)) for each in event.layers)
     return SutureRun(
         name,
         (points[:second], points[second:]),
         start,
         (1 if event.first_left else -1, 1 if event.second_left else -1),
-        tuple((int(corner.first), int(corner.second)) for corner in event.corners),
+        run_corners(event),
         decimal(event.duration),
         decimal(event.spacing),
         decimal(event.margin) if event.margin >= 0.0 else None,
         decimal(event.bite) if event.bite >= 0.0 else None,
-        layers or (SutureLayer(),),
+        run_layers(event) or (SutureLayer(),),
         PATTERN_OF[event.pattern],
         decimal(event.pass_depth),
         ORDER_OF[event.order],
@@ -56,11 +55,26 @@ def set_run(event: Any, run: SutureRun) -> None:
     first, second = run.edges
     set_points(event, (*first, *second))
     event.second_from = len(first)
+    set_corners(event, run.corners)
+    set_layers(event, run.layers)
+
+
+def run_corners(event: Any) -> tuple[tuple[int, int], ...]:
+    """The corners of the edges of an event that meet."""
+    return tuple((int(corner.first), int(corner.second)) for corner in event.corners)
+
+
+def set_corners(event: Any, corners: tuple[tuple[int, int], ...]) -> None:
+    """Give an event the corners of a run."""
     event.corners.clear()
-    for one, other in run.corners:
+    for one, other in corners:
         corner = event.corners.add()
         corner.first, corner.second = one, other
-    set_layers(event, run.layers)
+
+
+def run_layers(event: Any) -> tuple[SutureLayer, ...]:
+    """The layers of an event, none where it has none."""
+    return tuple(SutureLayer(str(each.name), decimal(each.depth), bool(each.between)) for each in event.layers)
 
 
 def set_layers(event: Any, layers: tuple[SutureLayer, ...]) -> None:
