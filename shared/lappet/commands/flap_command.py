@@ -81,7 +81,7 @@ def drawable(_context: click.Context, _parameter: click.Parameter, path: Path | 
 
     Raises
     ------
-    click.BadParameter
+    BadParameter
         If it is of another kind.
     """
     if path is not None and path.suffix.lower() not in _PICTURES:
