@@ -89,3 +89,11 @@ def test_a_place_needs_a_procedure(tmp_path: Path) -> None:
     result = run("add", "limberg", "-o", tmp_path / "p.usda", "--at", 0, 0, 4)
     assert result.exit_code == 2
     assert "PROCEDURE" in result.output
+
+
+def test_the_plan_of_a_design_is_drawn_with_the_corners_that_meet(tmp_path: Path) -> None:
+    result = run("show", "limberg", "--picture", tmp_path / "plan.svg", "--set", "side=20")
+    assert result.exit_code == 0, result.output
+    assert "In the end meet: " in result.stdout
+    assert (tmp_path / "plan.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert "plan.txt is no .svg, .pdf or .png file." in run("show", "limberg", "--picture", "plan.txt").output
