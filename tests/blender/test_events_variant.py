@@ -152,6 +152,11 @@ class Drawn:
     def menu(self, name: str, **_: object) -> None:
         getattr(bpy.types, name).draw(SimpleNamespace(layout=self), bpy.context)
 
+    def popover(self, name: str, text: str, icon: str) -> None:
+        assert hasattr(bpy.types, name)
+        assert icon in bpy.types.UILayout.bl_rna.functions["popover"].parameters["icon"].enum_items
+        self.log.append(("popover", text))
+
     def template_list(self, *_: object, **__: object) -> None:
         self.log.append(("list", ""))
 

@@ -115,6 +115,7 @@ class LAPPET_PT_timeline(SidebarPanel, bpy.types.Panel):
         side.operator("lappet.event_remove", text="", icon="REMOVE")
         side.separator()
         side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
+        layout.popover("VIEW3D_PT_lappet_flaps", text="Flap Library", icon="ASSET_MANAGER")
         if not len(data.events):
             layout.label(text="Draw an incision to start.", icon="INFO")
             return
