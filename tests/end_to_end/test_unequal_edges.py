@@ -36,10 +36,11 @@ def closed(sutures: Sequence[Event], folder: Path) -> SolveResult:
     return solve_procedure(read_procedure(folder / "p.usda"), folder / "p.usdc", error_estimate=False)
 
 
-def test_edges_of_unequal_lengths_are_sewn_with_nothing_left_over_at_the_end(tmp_path: Path) -> None:
+def test_edges_of_unequal_lengths_are_sewn_with_nothing_left_over_at_the_end(binary: Path, tmp_path: Path) -> None:
     run = SutureRun("wound", (tuple(BOW), tuple(CHORD)), 3.0, duration=5.0, spacing=APART, bite=0.05)
     long, short = run.lengths
     assert 1.1 < long / short < 1.3
+    assert binary.exists()
     by_shares = closed([run], tmp_path / "run")
     # What happens where the stitches are as far apart on both edges: the rest of the longer one is left over.
     skin = skin_of(TISSUE)
