@@ -12,7 +12,7 @@ from event_patch import patch_scene
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.flap_plan import flap_plan
 from lappet.designs.library import DESIGNS
-from lappet.procedure import Excision, Hook, Incision, Landmark, Suture, Undermine
+from lappet.procedure import Excision, Hook, Incision, Landmark, SutureRun, Undermine
 from lappet_blender.events.flap_operators import OPERATORS, VIEW3D_PT_lappet_flaps
 from lappet_blender.events.flap_thumbnails import SIZE
 from lappet_blender.events.flap_thumbnails import drawn as picture_of
@@ -48,7 +48,7 @@ ON_THEIR_BED = ("upper-lid", "keystone")  # nothing is undermined
 def test_a_design_adds_its_operation_without_a_problem(patch: bpy.types.Scene, name: str) -> None:
     assert getattr(ops, f"flap_{name.replace('-', '_')}")(time=1) == {"FINISHED"}
     found = {type(event) for event in events(patch)}
-    assert {Incision, Suture, Landmark} <= found
+    assert {Incision, SutureRun, Landmark} <= found
     assert (Undermine in found) == (name not in ON_THEIR_BED)
     procedure = read_scene(patch).procedure
     assert procedure is not None

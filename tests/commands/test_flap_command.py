@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 
 from lappet.commands.cli import cli
 from lappet.designs.library import DESIGNS
-from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
+from lappet.procedure import Hook, Incision, Landmark, Procedure, SutureRun
 from lappet.tissue.dome import dome_scalp
 from lappet.usd.stage import read_procedure, write_procedure
 
@@ -48,7 +48,7 @@ def test_a_design_without_a_procedure_comes_on_a_patch_of_its_own(tmp_path: Path
     assert result.exit_code == 0, result.output
     procedure = read_procedure(tmp_path / "p.usda")
     assert procedure.tissue.spacing == 2.0
-    assert {Incision, Hook, Suture, Landmark} <= {type(event) for event in procedure.events}
+    assert {Incision, Hook, SutureRun, Landmark} <= {type(event) for event in procedure.events}
 
 
 def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path, tmp_path: Path) -> None:
