@@ -130,7 +130,7 @@ class FrameSearch {
     const EquilibriumOutcome& outcome = found_.outcome;
     if (outcome.failure.code != FailureCode::kIterations || load_step + 1 != attempt.load_steps) return false;
     const bool nearly = outcome.residual <= kNearly * options_.tolerance && outcome.gap <= options_.gap_tolerance;
-    return nearly || digest(epoch_.constraints.path(frame_, 2, before_).front()) == digest(frame_);
+    return nearly || !epoch_.constraints.divides(frame_, before_);
   }
 
   // Where the surface goes through itself at the start of an attempt it cannot be kept apart.
