@@ -50,3 +50,12 @@ def test_what_is_wrong_with_a_stitch_names_it_below_its_run(procedure: Procedure
     notes = compile_program(replace(procedure, events=(procedure.events[0], crossed))).notes
     assert {note.code for note in notes} == {ProblemCode.SUTURES_CROSSED}
     assert all(note.prim.startswith("/Procedure/Timeline/askew/") for note in notes)
+
+
+def test_another_spacing_leaves_the_frames_before_the_run_as_they_are(procedure: Procedure) -> None:
+    cut, run = procedure.events
+    assert isinstance(run, SutureRun)
+    denser = replace(procedure, events=(cut, replace(run, spacing=3.0)))
+    keys = frame_keys(compile_program(procedure), "solver")
+    changed = frame_keys(compile_program(denser), "solver")
+    assert [one == other for one, other in zip(keys, changed, strict=True)] == [True, True, *[False] * 6]
