@@ -53,6 +53,7 @@ def test_a_run_along_both_walls_of_a_cut_is_right() -> None:
         ({"corners": ((3, 3),)}, ProblemCode.SUTURE_RUN_CORNER),
         ({"corners": ((1, 1), (1, 1))}, ProblemCode.SUTURE_RUN_CORNER),
         ({"corners": ((0, 1),)}, ProblemCode.SUTURE_RUN_CORNER),
+        ({"insides": (((0, 3, TOP), (0, -3, TOP)),)}, ProblemCode.SUTURE_RUN_INSIDES),
         ({"layers": ()}, ProblemCode.SUTURE_RUN_LAYERS),
         ({"layers": (SutureLayer("skin"), SutureLayer("skin", 1.0))}, ProblemCode.SUTURE_RUN_LAYERS),
         ({"layers": (SutureLayer("not a name"),)}, ProblemCode.SUTURE_RUN_LAYERS),

@@ -112,12 +112,12 @@ class RunCheck:
 
     def _distances(self) -> None:
         first, second = self.run.lengths
-        spacing, margin, shorter = self.run.spacing, self.run.margin, min(first, second)
-        if not (math.isfinite(spacing) and 0.0 < spacing <= shorter):
+        spacing, margin, mean = self.run.spacing, self.run.margin, 0.5 * (first + second)
+        if not (math.isfinite(spacing) and 0.0 < spacing <= mean):
             self._add(ProblemCode.SUTURE_RUN_SPACING, f"{spacing:g}", first=first, second=second)
-        if margin is not None and not (math.isfinite(margin) and 0.0 <= margin < 0.5 * shorter):
+        if margin is not None and not (math.isfinite(margin) and 0.0 <= margin < 0.5 * mean):
             self._add(ProblemCode.SUTURE_RUN_MARGIN, f"{margin:g}", first=first, second=second)
-        ratio = max(first, second) / shorter
+        ratio = max(first, second) / min(first, second)
         if ratio > UNEQUAL:
             where = Place.at(self.run.edges[0][-1], self.run.edges[1][-1])
             code = ProblemCode.SUTURE_RUN_UNEQUAL
@@ -133,6 +133,10 @@ class RunCheck:
                 self._add(ProblemCode.SUTURE_RUN_CORNER, corner, first=counts[0], second=counts[1])
                 return
             before = corner
+        if self.run.insides and (
+            len(self.run.insides) != len(self.run.corners) or not np.isfinite(np.array(self.run.insides)).all()
+        ):
+            self._add(ProblemCode.SUTURE_RUN_INSIDES, len(self.run.insides), corners=len(self.run.corners))
 
     def _apart(self) -> None:
         first, second = (np.array(edge) for edge in self.run.edges)
