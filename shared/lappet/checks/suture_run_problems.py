@@ -18,8 +18,8 @@ from lappet.tissue.rest_space import RestSpace
 from lappet.tissue.skin_sheet import SkinSheet
 
 # Lengths of the edges of a run, the longer by the shorter, above which it is warned. Chosen: the most unequal edges of
-# the flap library, those of a V–Y, a Y–V and a dorsal nasal flap, are 1.45 times each other.
-UNEQUAL = 1.5
+# the flap library, those of a V–Y, a Y–V and a dorsal nasal flap, are 1.45 times each other, on a face 1.6 and 2.
+UNEQUAL = 2.0
 OFF_SKIN = 0.5  # lattice spacings from the skin to an edge, at most, as of anchors (chosen)
 _NAMES = ("first", "second")
 _SAME = 1e-3  # mm between lines that are one
