@@ -8,9 +8,12 @@ from lappet.designs.a_t_plasty import A_T_PLASTY
 from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
 from lappet.designs.bilobed_flap import BILOBED
 from lappet.designs.dorsal_nasal_flap import DORSAL_NASAL
+from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
+from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
+from lappet.designs.multiple_z_plasty import MULTIPLE_Z_PLASTY
 from lappet.designs.nasolabial_flap import NASOLABIAL
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
@@ -30,6 +33,9 @@ DESIGNS = {
         UPPER_LID,
         W_PLASTY,
         Z_PLASTY,
+        MULTIPLE_Z_PLASTY,
+        FOUR_FLAP_Z_PLASTY,
+        FIVE_FLAP_Z_PLASTY,
         LIMBERG,
         DUFOURMENTEL,
         BILOBED,
