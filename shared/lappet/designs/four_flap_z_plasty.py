@@ -1,9 +1,9 @@
 """The four-flap Z-plasty: the two flaps of 120° of a Z are halved, so that four of 60° change places.
 
 In the design's plane c and b are the left and right end of the scar, L long. Limbs, all of that length, leave b
-upwards: bf halves the angle between bc and ba; and c downwards: ce halves that between cb and cd. So the flaps are, from
-right to left, A = (tip b, base fa), B = (tip b, base cf), C = (tip c, base be) and D = (tip c, base ed). Afterwards they lie
-as C, A, D, B: B's tip comes to d and D's to f, C's to a and A's to e.
+upwards: bf halves the angle between bc and ba; and c downwards: ce halves that between cb and cd. So the flaps are,
+from right to left, A = (tip b, base fa), B = (tip b, base cf), C = (tip c, base be) and D = (tip c, base ed).
+Afterwards they lie as C, A, D, B: B's tip comes to d and D's to f, C's to a and A's to e.
 """
 
 from __future__ import annotations

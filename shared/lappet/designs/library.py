@@ -13,6 +13,7 @@ from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
+from lappet.designs.multiple_rhombic_flaps import DOUBLE_RHOMBIC, TRIPLE_RHOMBIC
 from lappet.designs.multiple_z_plasty import MULTIPLE_Z_PLASTY
 from lappet.designs.nasolabial_flap import NASOLABIAL
 from lappet.designs.o_z_plasty import O_Z_PLASTY
@@ -22,6 +23,7 @@ from lappet.designs.s_plasty import DUAL_S_PLASTY
 from lappet.designs.upper_lid_excision import UPPER_LID
 from lappet.designs.v_y_plasty import V_Y_PLASTY, Y_V_PLASTY
 from lappet.designs.w_plasty_design import W_PLASTY
+from lappet.designs.webster_flap import WEBSTER
 from lappet.designs.z_plasty_flaps import Z_PLASTY
 
 # In the order of a textbook: excisions, scar revisions, transposition, rotation, advancement.
@@ -38,6 +40,9 @@ DESIGNS = {
         FIVE_FLAP_Z_PLASTY,
         LIMBERG,
         DUFOURMENTEL,
+        WEBSTER,
+        DOUBLE_RHOMBIC,
+        TRIPLE_RHOMBIC,
         BILOBED,
         NASOLABIAL,
         DORSAL_NASAL,
