@@ -20,6 +20,7 @@ from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_flap import ROTATION
 from lappet.designs.s_plasty import DUAL_S_PLASTY
+from lappet.designs.trilobed_flap import TRILOBED
 from lappet.designs.upper_lid_excision import UPPER_LID
 from lappet.designs.v_y_plasty import V_Y_PLASTY, Y_V_PLASTY
 from lappet.designs.w_plasty_design import W_PLASTY
@@ -44,6 +45,7 @@ DESIGNS = {
         DOUBLE_RHOMBIC,
         TRIPLE_RHOMBIC,
         BILOBED,
+        TRILOBED,
         NASOLABIAL,
         DORSAL_NASAL,
         ROTATION,
