@@ -11,11 +11,13 @@ from lappet.designs.dorsal_nasal_flap import DORSAL_NASAL
 from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
 from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
+from lappet.designs.island_v_y_flap import ISLAND_V_Y
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
 from lappet.designs.multiple_rhombic_flaps import DOUBLE_RHOMBIC, TRIPLE_RHOMBIC
 from lappet.designs.multiple_z_plasty import MULTIPLE_Z_PLASTY
 from lappet.designs.nasolabial_flap import NASOLABIAL
+from lappet.designs.o_t_plasty import O_T_PLASTY
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_flap import ROTATION
@@ -54,8 +56,10 @@ DESIGNS = {
         U_PLASTY,
         H_PLASTY,
         A_T_PLASTY,
+        O_T_PLASTY,
         V_Y_PLASTY,
         Y_V_PLASTY,
+        ISLAND_V_Y,
         KEYSTONE,
     )
 }
