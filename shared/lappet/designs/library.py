@@ -6,8 +6,10 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.a_t_plasty import A_T_PLASTY
 from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
+from lappet.designs.back_cut_rotation_flap import ROTATION_BACK_CUT
 from lappet.designs.bilobed_flap import BILOBED
 from lappet.designs.dorsal_nasal_flap import DORSAL_NASAL
+from lappet.designs.double_keystone_flap import KEYSTONE_III
 from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
 from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
@@ -51,6 +53,7 @@ DESIGNS = {
         NASOLABIAL,
         DORSAL_NASAL,
         ROTATION,
+        ROTATION_BACK_CUT,
         O_Z_PLASTY,
         DUAL_S_PLASTY,
         U_PLASTY,
@@ -61,6 +64,7 @@ DESIGNS = {
         Y_V_PLASTY,
         ISLAND_V_Y,
         KEYSTONE,
+        KEYSTONE_III,
     )
 }
 
