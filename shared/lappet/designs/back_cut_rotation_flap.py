@@ -3,8 +3,8 @@
 Defect and arc are those of `lappet.designs.rotation_flap`; in its plane the back-cut runs from the arc's end E to K, on
 the way to the circle's middle. The flap turns about K. Its corner at E moves away along the arc by a third of the
 back-cut, s: behind it the last s of the arc's outer lip is sewn to the first s of the back-cut's, the stem of a Y, and
-the rest of the back-cut's outer lip to the flap's side of it. What the defect's base is longer than s is spread over the
-arc's sutures.
+the rest of the back-cut's outer lip to the flap's side of it. What the defect's base is longer than s is spread over
+the sutures of the arc.
 """
 
 from __future__ import annotations

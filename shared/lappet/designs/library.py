@@ -23,6 +23,7 @@ from lappet.designs.o_t_plasty import O_T_PLASTY
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_flap import ROTATION
+from lappet.designs.round_excision import ROUND_EXCISION
 from lappet.designs.s_plasty import DUAL_S_PLASTY
 from lappet.designs.trilobed_flap import TRILOBED
 from lappet.designs.upper_lid_excision import UPPER_LID
@@ -37,6 +38,7 @@ DESIGNS = {
     for design in (
         FUSIFORM,
         S_EXCISION,
+        ROUND_EXCISION,
         UPPER_LID,
         W_PLASTY,
         Z_PLASTY,
