@@ -8,6 +8,8 @@ from lappet.designs.a_t_plasty import A_T_PLASTY
 from lappet.designs.advancement_flap import H_PLASTY, U_PLASTY
 from lappet.designs.back_cut_rotation_flap import ROTATION_BACK_CUT
 from lappet.designs.bilobed_flap import BILOBED
+from lappet.designs.cervicofacial_flap import CERVICOFACIAL
+from lappet.designs.crescentic_advancement_flap import CRESCENTIC
 from lappet.designs.dorsal_nasal_flap import DORSAL_NASAL
 from lappet.designs.double_keystone_flap import KEYSTONE_III
 from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
@@ -19,6 +21,7 @@ from lappet.designs.library_design import LibraryDesign
 from lappet.designs.multiple_rhombic_flaps import DOUBLE_RHOMBIC, TRIPLE_RHOMBIC
 from lappet.designs.multiple_z_plasty import MULTIPLE_Z_PLASTY
 from lappet.designs.nasolabial_flap import NASOLABIAL
+from lappet.designs.note_flap import NOTE_FLAP
 from lappet.designs.o_t_plasty import O_T_PLASTY
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
@@ -50,18 +53,21 @@ DESIGNS = {
         WEBSTER,
         DOUBLE_RHOMBIC,
         TRIPLE_RHOMBIC,
+        NOTE_FLAP,
         BILOBED,
         TRILOBED,
         NASOLABIAL,
         DORSAL_NASAL,
         ROTATION,
         ROTATION_BACK_CUT,
+        CERVICOFACIAL,
         O_Z_PLASTY,
         DUAL_S_PLASTY,
         U_PLASTY,
         H_PLASTY,
         A_T_PLASTY,
         O_T_PLASTY,
+        CRESCENTIC,
         V_Y_PLASTY,
         Y_V_PLASTY,
         ISLAND_V_Y,
