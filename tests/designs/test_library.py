@@ -111,13 +111,15 @@ def _base(design: FlapDesign, name: str) -> float:
     if name not in seams or name == "defect":
         return 0.0
     first, second = (np.array(edge.points[0]) for edge in seams[name].edges)
-    straight = float(np.linalg.norm(first - second))
-    if not any(cut.name == name and cut.late for cut in design.excised):
-        return straight
+    (cut,) = (cut for cut in design.excised if cut.name == name)
+    if not cut.late:
+        return float(np.linalg.norm(first - second))
+    whole = length(np.array([*cut.outline, cut.outline[0]]))
+    unsewn = whole - sum(length(np.array(edge.points)) for edge in seams[name].edges)
     rim = np.array(design.excised[0].outline)  # a dog-ear's base is a part of the defect's rim
     ends = sorted(int(np.linalg.norm(rim - end, axis=1).argmin()) for end in (first, second))
     along = length(rim[ends[0] : ends[1] + 1])
-    return 0.5 * (straight + min(along, length(np.vstack([rim, rim[:1]])) - along))
+    return 0.5 * (unsewn + min(along, length(np.vstack([rim, rim[:1]])) - along))
 
 
 @EVERY

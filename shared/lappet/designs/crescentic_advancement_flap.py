@@ -103,8 +103,8 @@ def crescentic_advancement(
 
 
 _WEBSTER = (
-    "J. P. Webster, Crescentic peri-alar cheek excision for upper lip flap advancement, Plast. Reconstr. Surg. 16 (1955) "
-    "434"
+    "J. P. Webster, Crescentic peri-alar cheek excision for upper lip flap advancement, Plast. Reconstr. Surg. 16 "
+    "(1955) 434"
 )
 _CHOSEN = "chosen: what lies beside a nose"
 CRESCENTIC = LibraryDesign(

@@ -1,4 +1,4 @@
-"""The four-flap Z-plasty: the two flaps of 120° of a Z are halved, so that four of 60° change places.
+"""The four-flap Z-plasty: the two broad flaps of a Z are halved, and the four change places.
 
 In the design's plane c and b are the left and right end of the scar, L long. Limbs, all of that length, leave b
 upwards: bf halves the angle between bc and ba; and c downwards: ce halves that between cb and cd. So the flaps are,
@@ -26,7 +26,7 @@ def four_flap_z_plasty(
     center: ArrayLike,
     direction: ArrayLike,
     limb: float,
-    angle: float = 120.0,
+    angle: float = 90.0,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
@@ -123,13 +123,14 @@ def _seams(
 _LIMBERG = (
     "A. A. Limberg, The planning of local plastic operations on the body surface (1963), on four flaps (not read)"
 )
+_HALVED = "120° into 60° and 90° into 45° are in use; in flat skin 120° leaves cones of 9 mm at its pivots"
 FOUR_FLAP_Z_PLASTY = LibraryDesign(
     "four-flap-z-plasty",
     "Four-flap Z-plasty",
-    "A tight web, as of the thumb or the armpit: 120° of skin at either end, halved, gains most of one line.",
+    "A tight web, as of the thumb or the armpit: a broad flap at either end is halved, and all four change places.",
     (
         Parameter("limb", "length of the scar and of each limb", "mm", 20.0, 5.0, 50.0, _LIMBERG),
-        Parameter("angle", "angle of the outer limbs, halved by the inner ones", "°", 120.0, 80.0, 120.0, _LIMBERG),
+        Parameter("angle", "angle of the outer limbs, halved by the inner ones", "°", 90.0, 80.0, 120.0, _HALVED),
     ),
     four_flap_z_plasty,
     "the middle of the scar",

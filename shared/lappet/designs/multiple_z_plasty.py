@@ -27,7 +27,7 @@ def multiple_z_plasty(
     center: ArrayLike,
     direction: ArrayLike,
     limb: float,
-    angle: float = 60.0,
+    angle: float = 45.0,
     count: float = 3.0,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
@@ -98,7 +98,7 @@ MULTIPLE_Z_PLASTY = LibraryDesign(
     "A long contracted scar with little slack skin beside it: several small Z in series instead of a large one.",
     (
         Parameter("limb", "length of each limb", "mm", 14.0, 4.0, 40.0, "chosen: a third of the scar"),
-        Parameter("angle", "angle of the flaps", "°", 60.0, 30.0, 75.0, _MCGREGOR),
+        Parameter("angle", "angle of the flaps", "°", 45.0, 30.0, 75.0, _MCGREGOR),
         Parameter("count", "number of Z", "", 3.0, 2.0, 6.0, _MCGREGOR, whole=True),
     ),
     multiple_z_plasty,

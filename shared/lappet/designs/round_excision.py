@@ -1,7 +1,7 @@
 """The round excision, as by a punch, with repair of its dog-ears: closed in the middle first, trimmed, then closed.
 
 In the design's plane the circle lies about the origin and the scar along x. Its middle is closed first; what then
-stands up at either end is cut out between the two lines that touch the circle from the scar's tip, and closed.
+stands up at either end, from 55° above the scar to as much below, is cut out to the scar's tip and closed.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
-from lappet.designs.flap_design import FlapDesign, Seam
+from lappet.designs.flap_design import Corner, FlapDesign, Seam
 from lappet.designs.flat_curves import NICK, arc, segment
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
+FROM = 55.0  # degrees above and below the scar at which the dog-ears begin
 _STEP = 0.5  # mm from point to point of the circle
 
 
@@ -64,16 +65,17 @@ def round_excision(
         raise refused(ProblemCode.DESIGN_RANGE, "round-excision", f"{length:g}", name="length", range="more than 1.4")
     r = 0.5 * diameter
     plane = DesignPlane.at(center, skin_axes(direction, normal, "round_excision"), mirrored, project)
-    touch = float(np.degrees(np.arccos(1.0 / length)))  # angle of the circle at which the line from the tip touches it
-    upper = arc((0.0, 0.0), r, 180.0 - touch, touch, _STEP)
+    upper = arc((0.0, 0.0), r, 180.0 - FROM, FROM, _STEP)
     lower = upper * np.array([1.0, -1.0])
+    corners: list[Corner] = []
     seams = [Seam("donor_middle", (plane.edge(lower, -1), plane.edge(upper, 1)))]
     excised = [plane.excised("defect", arc((0.0, 0.0), r, 0.0, 360.0, _STEP)[:-1], np.zeros(2))]
     for sign, name in ((1.0, "right"), (-1.0, "left")):
         tip, above = np.array([sign * length * r, 0.0]), upper[-1 if sign > 0.0 else 0]
-        below, inside = above * np.array([1.0, -1.0]), np.array([1.0 - NICK / r, 1.0 - NICK / r])
+        below = above * np.array([1.0, -1.0])
         sides = segment(above, tip), segment(below, tip)
-        around = np.vstack([(above * inside)[None], sides[0], sides[1][-2::-1], (below * inside)[None]])
+        base = arc((0.0, 0.0), r - NICK, -FROM, FROM, _STEP) * np.array([sign, 1.0])  # just inside the circle
+        around = np.vstack([base, sides[0], sides[1][-2::-1]])
         excised.append(
             plane.excised(f"cone_{name}", around, np.array([sign * (r + 0.2 * (length - 1.0) * r), 0.0]), True)
         )
@@ -82,7 +84,9 @@ def round_excision(
             for side, up in zip(sides, (1.0, -1.0), strict=True)
         )
         seams.append(Seam(f"cone_{name}", (next(lips), next(lips))))
-    return FlapDesign(tuple(excised), (), tuple(seams))
+        up = np.array([0.0, r])
+        corners.append(Corner(f"donor_{name}", plane.spot(above, above + up), plane.spot(below, below - up)))
+    return FlapDesign(tuple(excised), (), tuple(seams), tuple(corners))
 
 
 _REPAIR = "a scar 14 % shorter than a fusiform's of 3:1 is published for a round excision with repair of its dog-ears"
