@@ -1,9 +1,10 @@
 """The note flap: a triangle beside a round defect turns into it; circle, stem and flag are drawn like an eighth note.
 
 In the design's plane the circle of radius r lies about the origin, and its tangent at T = (r, 0), the stem, runs up to
-E; from there the second limb, the flag, comes back on the other side to F. The flap TEF turns about T: its stem comes
-to lie on the lower rim, its flag on the upper one, and the skin left of the stem is drawn to F. The spike between
-circle and stem, too thin to hold a suture, is cut out with the defect up to where it is `SPIKE` radii wide.
+E; from there the second limb, the flag, comes back on the other side to F. Two pieces go with the defect: the spike
+between circle and stem, too thin to hold a suture, up to where it is `SPIKE` radii wide; and beside T the standing cone
+that would come, a triangle on the rim from T to Q, `CONE` below it, with its tip P outwards. The flap turns about P: T
+comes to Q, its stem lies on the rim from there on, its flag on the rest, and the skin left of the stem is drawn to F.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
 SPIKE = 0.15
+CONE, TALL = 50.0, 1.2  # degrees of the rim; height of the cone in radii
 _STEP = 0.5  # mm from point to point of the circle
 
 
@@ -77,25 +79,33 @@ def note_flap(
     spike = r * np.array([1.0 - SPIKE, np.sqrt(1.0 - (1.0 - SPIKE) ** 2)])
     root = np.array([r, spike[1]])  # where the stem leaves what is cut out
     last = float(np.degrees(np.arccos(1.0 - SPIKE))) - 360.0
-    split = last * stem / (stem + flag)  # where on the rim, clockwise from T, the flap's tip comes to lie
-    lower, upper = arc((0.0, 0.0), r, 0.0, split, _STEP), arc((0.0, 0.0), r, split, last, _STEP)
-    rim = np.vstack([lower[:-1], upper])
+    split = -CONE + (last + CONE) * stem / (stem + flag)  # where on the rim, clockwise, the flap's tip comes to lie
+    lower, upper = arc((0.0, 0.0), r, -CONE, split, _STEP), arc((0.0, 0.0), r, split, last, _STEP)
+    out = np.radians(-0.5 * CONE)
+    apex = (1.0 + TALL) * r * np.array([np.cos(out), np.sin(out)])  # P
+    rim = np.vstack([lower[:-1], upper, root[None], segment(foot, apex)[:-1], segment(apex, lower[0])[:-1]])
     left, beyond = root - np.array([diameter, 0.0]), tip + end - flap
+    below = lower[0] + np.array([0.0, -diameter])
     into = root - NICK * np.array([0.5, 1.0])
     top = plane.spot(tip, flap)
     return FlapDesign(
-        excised=(plane.excised("defect", np.vstack([rim, segment(root, foot)[:-1]]), np.zeros(2)),),
+        excised=(plane.excised("defect", rim, np.zeros(2)),),
         incisions=(plane.points(np.vstack([into[None], polyline(root, tip, end)])),),
         seams=(
             Seam("donor", (plane.edge_beside(segment(tip, root), left), plane.edge_beside(segment(tip, end), beyond))),
+            Seam(
+                "cone",
+                (plane.edge_beside(segment(foot, apex), flap), plane.edge_beside(segment(lower[0], apex), below)),
+            ),
             Seam("stem", (plane.edge_beside(segment(foot, tip), flap), plane.edge(lower, 1))),
             Seam("flag", (plane.edge_beside(segment(tip, end), flap), plane.edge(upper, 1))),
         ),
         corners=(
             Corner("donor", plane.spot(root, root + np.array([-0.3, 1.0])), plane.spot(end, 2.0 * end - tip)),
+            Corner("cone", plane.spot(foot, flap), plane.spot(lower[0], below)),
             Corner("tip", top, plane.spot(lower[-1], 1.5 * lower[-1])),
         ),
-        carries=(Carry("tip", top, plane.point(foot), plane.spot(lower[-1], (0.0, 0.0))),),
+        carries=(Carry("tip", top, plane.point(apex), plane.spot(lower[-1], (0.0, 0.0))),),
         flaps=(plane.point(flap),),
     )
 
