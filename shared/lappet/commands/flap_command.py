@@ -138,6 +138,7 @@ def add(
     with sentences(context):
         from dataclasses import replace
 
+        from lappet.checks.narrow_flaps import narrow_flaps
         from lappet.designs.library_operation import (
             SPACING,
             add_flap,
@@ -158,3 +159,5 @@ def add(
             made = add_flap(given, name, place, way, dict(measures), mirrored=mirrored, start=start)
         write_procedure(made, output)
         click.echo(f"Written: {output}")
+        for found in narrow_flaps(made, set()):
+            click.echo(f"{found.severity}: {found}", err=True)

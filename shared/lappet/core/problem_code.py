@@ -171,6 +171,7 @@ class ProblemCode(StrEnum):
     INCISION_TWICE = auto()
     INCISION_CROSSES_ITSELF = auto()
     KERF_WIDE = auto()
+    FLAP_NARROW_BASE = auto()
     SUTURES_CROSSED = auto()
     VESSEL_CUT = auto()
     SUTURE_LONG = auto()

@@ -83,7 +83,10 @@ def island_v_y_flap(
         front.append(near)
         back.append(far)
     outline = polyline(back[1], front[1], front[0], back[0], back[1])[:-1]
-    edges = plane.edge_beside(segment(*front), flap), plane.edge_beside(segment(*back), 2.0 * (back[0] + back[1]))
+    edges = (
+        plane.edge_beside(segment(front[0], front[1]), flap),
+        plane.edge_beside(segment(back[0], back[1]), 2.0 * (back[0] + back[1])),
+    )
     return FlapDesign(
         (plane.excised("defect", outline, np.zeros(2)),),
         (plane.points(np.vstack([cuts[0], cuts[1][-2::-1]])),),
@@ -91,7 +94,7 @@ def island_v_y_flap(
         tuple(corners),
         (),
         (plane.point(flap),),
-        undermined=0.0,
+        undermined=0.5,
     )
 
 

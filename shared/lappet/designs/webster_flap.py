@@ -1,15 +1,15 @@
 r"""Webster's 30° flap: a narrower transposition flap than Limberg's, its base closed as a W.
 
 In the design's plane, x from the defect to the flap, the defect is an equilateral triangle ABD of side a, its tip A up,
-and below it a W: two triangles of 30°, B W' M and M W D, whose sides BW' and DW, a long, stand square on BD. What lies
+and below it a W: two triangles of 30°, B W' M and M W D, whose sides BW' and DW, a long, lean inwards by 10°. What lies
 in the circle of a lesion is cut out with all of it::
 
             A
-          /   \         E     The flap WDEF turns by 30° about W: DE leaves D at 30° to BD, so that it is parallel to BA
-        B       D     /       afterwards, and EF, as long, comes back at 30° to DE. |DE| = |EF| = |DW| = a.
+          /   \         E     The flap WDEF turns about W by the W's 30°: DE leaves D at 40° to BD, and EF, as long,
+        B       D     /       comes back at 30° to DE. |DE| = |EF| = |DW| = a.
         |   M   |   F
-        |  / \  |             The flap's corner D and the defect's corner B meet at M, its tip E comes to A. The flap is
-        W'     W              narrower than the defect: the skin beside both shares the rest of the closure.
+         \ / \ /              The flap's corner D and the defect's corner B meet at M, its tip E comes to A. The flap is
+          W'  W               narrower than the defect: the skin beside both shares the rest of the closure.
 
 The donor site closes by drawing the corner that DE leaves outside of the flap to F.
 """
@@ -26,6 +26,7 @@ from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
 TIP = 30.0  # degrees: the flap's tip, and each half of the W
+LEAN, FIRST = 10.0, 40.0  # degrees of the W's sides inwards, and of DE: they leave the flap a base of half its length
 
 
 def webster_flap(
@@ -68,14 +69,15 @@ def webster_flap(
     middle = side * np.array([0.0, np.sqrt(3.0) / 6.0])
     plane = DesignPlane.at(center, skin_axes(direction, normal, "webster"), mirrored, project, middle)
     a, b, d = side * np.array([0.0, 0.5 * np.sqrt(3.0)]), side * np.array([-0.5, 0.0]), side * np.array([0.5, 0.0])
-    far, near = b - side * np.array([0.0, 1.0]), d - side * np.array([0.0, 1.0])  # W' and W
-    m = near + side * _direction(90.0 + TIP)
-    e = d + side * _direction(TIP)
-    f = e + side * _direction(TIP + 180.0 + TIP)
+    down = side * _direction(270.0 - LEAN)
+    near, far = d + down, b + down * np.array([-1.0, 1.0])  # W and W'
+    m = near - near[0] / np.cos(np.radians(90.0 - LEAN + TIP)) * _direction(90.0 - LEAN + TIP)
+    e = d + side * _direction(FIRST)
+    f = e + side * _direction(FIRST + 180.0 + TIP)
     flap = (d + e + f + near) / 4.0
     away = 4.0 * side
     above, below = np.array([0.0, away]), np.array([0.0, -away])
-    out = 0.5 * (e + f) + away * _direction(TIP + 90.0 + 180.0 + TIP)
+    out = 0.5 * (e + f) + away * _direction(FIRST + TIP - 90.0)
     pairs = (
         ("donor", (e, d, above), (e, f, out)),
         ("base", (near, d, flap), (near, m, below)),
@@ -83,17 +85,19 @@ def webster_flap(
         ("far", (d, e, flap), (b, a, above)),
         ("end", (e, f, flap), (a, d, above)),
     )
-    outwards = _direction(0.5 * (120.0 + TIP))  # halves the corner outside of the flap, between DA and DE
+    outwards = _direction(0.5 * (120.0 + FIRST))  # halves the corner outside of the flap, between DA and DE
     flap_d, flap_e = plane.spot(d, flap), plane.spot(e, flap)
     return FlapDesign(
         excised=(plane.excised("defect", polyline(a, b, far, m, near, d, a)[:-1], middle),),
-        incisions=(plane.points(np.vstack([(d - NICK * _direction(TIP))[None], polyline(d, e, f)])),),
+        incisions=(plane.points(np.vstack([(d - NICK * _direction(FIRST))[None], polyline(d, e, f)])),),
         seams=tuple(
             Seam(name, (plane.edge_beside(segment(*one[:2]), one[2]), plane.edge_beside(segment(*other[:2]), other[2])))
             for name, one, other in pairs
         ),
         corners=(
-            Corner("donor", plane.spot(d, d + side * outwards), plane.spot(f, f + side * _direction(210.0 + TIP))),
+            Corner(
+                "donor", plane.spot(d, d + side * outwards), plane.spot(f, f + side * _direction(180.0 + FIRST + TIP))
+            ),
             Corner("shoulder", flap_d, plane.spot(m, 0.5 * (near + far))),
             Corner("edge", plane.spot(b, b + side * _direction(165.0)), plane.spot(m, 0.5 * (near + far))),
             Corner("tip", flap_e, plane.spot(a, 2.0 * a)),
