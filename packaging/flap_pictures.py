@@ -1,4 +1,4 @@
-"""Keep the last atlas in the documents: `flap_pictures.py build/atlas` copies its results and filmstrips into docs/."""
+"""Draw the plans of all designs into docs/, and keep the last atlas there: `flap_pictures.py [build/atlas]`."""
 
 from __future__ import annotations
 
@@ -10,11 +10,23 @@ from typing import Any
 
 from PIL import Image
 
+from lappet.designs.flap_plan import flap_plan
+from lappet.designs.library import DESIGNS
+from lappet.output.plan_figure import write_plan_figure
+
 DOCS = Path(__file__).resolve().parent.parent / "docs"
+PICTURES = DOCS / "images" / "flaps"
 QUALITY = 85
 
 
-def main(folder: Path) -> None:
+def draw_plans() -> None:
+    """Draw the plan of every design at its defaults."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for design in DESIGNS.values():
+        write_plan_figure(flap_plan(design), design.lines, PICTURES / f"{design.name}_plan.svg")
+
+
+def keep_atlas(folder: Path) -> None:
     """Copy the results, and the filmstrip of each design as JPEG; designs that the run left out keep their rows."""
     results = json.loads((folder / "atlas.json").read_text(encoding="utf-8"))
     before = json.loads((DOCS / "atlas.json").read_text(encoding="utf-8"))
@@ -22,11 +34,9 @@ def main(folder: Path) -> None:
         sys.exit(f"The rows kept are at {before['spacing_mm']} mm: run the atlas at that spacing, or for all designs.")
     together = json.dumps(merged(before, results), indent=1, ensure_ascii=False)
     (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
-    pictures = DOCS / "images" / "flaps"
-    pictures.mkdir(parents=True, exist_ok=True)
     for row in results["rows"]:
         strip = Image.open(folder / "pictures" / row["name"] / "filmstrip.png").convert("RGB")
-        strip.save(pictures / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
+        strip.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
 
 
 def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any]) -> list[Any]:
@@ -56,4 +66,6 @@ def _head(results: Mapping[str, Any]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    draw_plans()
+    for argument in sys.argv[1:]:
+        keep_atlas(Path(argument))

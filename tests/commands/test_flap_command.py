@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 
 from lappet.commands.cli import cli
 from lappet.designs.library import DESIGNS
-from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
+from lappet.procedure import Hook, Incision, Landmark, Procedure, SutureRun
 from lappet.tissue.dome import dome_scalp
 from lappet.usd.stage import read_procedure, write_procedure
 
@@ -48,7 +48,7 @@ def test_a_design_without_a_procedure_comes_on_a_patch_of_its_own(tmp_path: Path
     assert result.exit_code == 0, result.output
     procedure = read_procedure(tmp_path / "p.usda")
     assert procedure.tissue.spacing == 2.0
-    assert {Incision, Hook, Suture, Landmark} <= {type(event) for event in procedure.events}
+    assert {Incision, Hook, SutureRun, Landmark} <= {type(event) for event in procedure.events}
 
 
 def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path, tmp_path: Path) -> None:
@@ -89,3 +89,11 @@ def test_a_place_needs_a_procedure(tmp_path: Path) -> None:
     result = run("add", "limberg", "-o", tmp_path / "p.usda", "--at", 0, 0, 4)
     assert result.exit_code == 2
     assert "PROCEDURE" in result.output
+
+
+def test_the_plan_of_a_design_is_drawn_with_the_corners_that_meet(tmp_path: Path) -> None:
+    result = run("show", "limberg", "--picture", tmp_path / "plan.svg", "--set", "side=20")
+    assert result.exit_code == 0, result.output
+    assert "In the end meet: " in result.stdout
+    assert (tmp_path / "plan.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert "plan.txt is no .svg, .pdf or .png file." in run("show", "limberg", "--picture", "plan.txt").output

@@ -20,8 +20,9 @@ from lappet.designs.library_operation import (
     skin_line_direction,
     thickness_at,
 )
-from lappet.designs.transposition import sutures
-from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, SkinLine, Suture
+from lappet.designs.seam_sutures import sutures
+from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, SkinLine, Suture, SutureRun
+from lappet.suturing import with_single_sutures
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.skin_sheet import SkinSheet
@@ -149,7 +150,8 @@ def test_the_operation_of_a_design_at_its_defaults_has_no_problem(name: str) -> 
     assert [str(each) for each in check(procedure) if each.severity == "error"] == []
     kinds = {type(event) for event in procedure.events}
     design = drawn(name)
-    assert Suture in kinds
+    assert SutureRun in kinds
+    assert Suture not in kinds
     assert (Excision in kinds) == bool(design.excised)
     hooks = [event for event in procedure.events if isinstance(event, Hook)]
     assert len(hooks) == len(design.carries)
@@ -286,7 +288,7 @@ def test_sutures_of_a_design_lie_in_tissue_that_is_left(name: str) -> None:
     procedure = flap_on_patch(name, spacing=2.0)
     design = drawn(name)
     skin = SkinSheet.of(procedure.tissue)
-    for event in procedure.events:
+    for event in with_single_sutures(procedure).events:
         if isinstance(event, Suture):
             for anchor in event.anchors:
                 at = skin.place([anchor])[0][:2]

@@ -1,7 +1,7 @@
-"""An operator for each design of the flap library, which adds the whole operation; and their menu."""
+"""An operator for each design of the flap library, which adds the whole operation; their menu, and them as pictures."""
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 import numpy as np
@@ -23,6 +23,7 @@ from ..model.scene_procedure import read_scene
 from ..model.units import to_mm
 from .add_events import add_events
 from .event_check import tissue_of
+from .flap_thumbnails import thumbnail
 from .operator_values import given
 
 _DIRECTIONS = (
@@ -30,11 +31,13 @@ _DIRECTIONS = (
     ("ACROSS", "Across Skin Lines", "Square to the lines of the skin"),
     ("X", "Scene X", "Along the scene's x axis, as far as the skin has that direction"),
 )
+_COLUMNS = 5  # of the library
 
 
 class _FlapAdd(OperatorBase):
     """What all the operators share: where a design lies, how it is turned, and when it is done."""
 
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "PRESET"}
     edits_procedure = True
     design: LibraryDesign
     at: Any
@@ -133,8 +136,27 @@ class VIEW3D_MT_lappet_flap(bpy.types.Menu):
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.operator_context = "EXEC_DEFAULT"
         for operator in OPERATORS:
-            self.layout.operator(operator.bl_idname)
+            self.layout.operator(operator.bl_idname, icon_value=thumbnail(operator.design.name))
+
+
+class VIEW3D_PT_lappet_flaps(bpy.types.Panel):
+    """The flap library as pictures; opened from the timeline."""
+
+    bl_label = "Flap Library"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_ui_units_x = 34
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.label(text="At the 3D cursor, from the current frame on; F9 changes its measures.")
+        grid = layout.grid_flow(row_major=True, columns=_COLUMNS, even_columns=True, even_rows=True, align=False)
+        grid.operator_context = "EXEC_DEFAULT"
+        for operator in OPERATORS:
+            cell = grid.column(align=True)
+            cell.template_icon(icon_value=thumbnail(operator.design.name), scale=4.5)
+            cell.operator(operator.bl_idname, text=operator.design.title)
 
 
 OPERATORS = tuple(_operator(design) for design in DESIGNS.values())
-CLASSES = (*OPERATORS, VIEW3D_MT_lappet_flap)
+CLASSES = (*OPERATORS, VIEW3D_MT_lappet_flap, VIEW3D_PT_lappet_flaps)

@@ -260,6 +260,8 @@ class SkinCache:
     def _events(self) -> tuple[StepEvent, ...]:
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
         events = []
+        sutures = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")
+        labels = list(sutures.GetAttribute("primvars:label").Get() or ()) if sutures else []
         for prim in timeline.GetChildren() if timeline else []:
             schemas = prim.GetMetadata("apiSchemas")
             kinds = [
@@ -272,5 +274,8 @@ class SkinCache:
             if start is None:
                 continue
             end = value["release"] if value["release"] is not None else start + (value["duration"] or 0.0)
-            events.append(StepEvent(kinds[0], prim.GetName(), float(start), float(end)))
+            name, kind, stitches = prim.GetName(), kinds[0], 1
+            if kind == "SutureRun":
+                kind, stitches = "Suture", sum(label.startswith(f"{name}/") for label in labels)
+            events.append(StepEvent(kind, name, float(start), float(end), stitches))
         return tuple(sorted(events, key=lambda e: e.start))

@@ -15,6 +15,8 @@ from lappet.foreign.limits import ReadLimits
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+_PICTURES = (".svg", ".pdf", ".png")
+
 
 class Measure(click.ParamType):
     """A measure of a design and its value: `side=18`."""
@@ -64,10 +66,43 @@ def list_designs(context: click.Context) -> None:
             click.echo(f"{design.name:<{wide}}  {design.indication}")
 
 
+def drawable(_context: click.Context, _parameter: click.Parameter, path: Path | None) -> Path | None:
+    """Check that a picture is of a kind that can be drawn.
+
+    Parameters
+    ----------
+    path
+        The picture, or None.
+
+    Returns
+    -------
+    Path or None
+        The picture.
+
+    Raises
+    ------
+    BadParameter
+        If it is of another kind.
+    """
+    if path is not None and path.suffix.lower() not in _PICTURES:
+        raise click.BadParameter(f"{path.name} is no {', '.join(_PICTURES[:-1])} or {_PICTURES[-1]} file.")
+    return path
+
+
 @flap.command("show")
 @click.argument("name")
+@click.option("--picture", type=FILE, callback=drawable, help="Draw its plan, to scale (.svg, .pdf or .png).")
+@click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the drawn plan; may be repeated.")
+@click.option("--mirrored", is_flag=True, help="Draw it mirrored about its direction.")
 @click.pass_context
-def show_design(context: click.Context, /, name: str) -> None:
+def show_design(
+    context: click.Context,
+    /,
+    name: str,
+    picture: Path | None,
+    measures: tuple[tuple[str, float], ...],
+    mirrored: bool,
+) -> None:
     """Show the design NAME: what it is for, its measures with their ranges, and where these come from."""
     with sentences(context):
         from rich import box
@@ -89,6 +124,17 @@ def show_design(context: click.Context, /, name: str) -> None:
             click.echo(f"Surgeons lay the direction {design.lines} the lines of the skin (--lines {design.lines}).")
         Console().print(table)
         click.echo(f"Sources: {design.sources}")
+        if picture is not None:
+            from lappet.designs.flap_plan import flap_plan
+            from lappet.output.plan_figure import write_plan_figure
+
+            plan = flap_plan(design, dict(measures), mirrored=mirrored)
+            write_plan_figure(plan, design.lines, picture)
+            if plan.meetings:
+                click.echo(
+                    "In the end meet: " + ", ".join(f"{flap} and {wound}" for flap, wound in plan.meetings) + "."
+                )
+            click.echo(f"Written: {picture}")
 
 
 @flap.command("add")

@@ -10,7 +10,8 @@ from lappet.designs.library_operation import add_flap, flap_on_patch, flap_on_sk
 from lappet.designs.oval_outline import oval
 from lappet.designs.rhombic_flap import dufourmentel, limberg
 from lappet.designs.s_plasty import dual_s_plasty
-from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
+from lappet.designs.technique import Row, Schedule, Technique
+from lappet.designs.transposition import flap_operation
 from lappet.designs.z_plasty_design import ZPlasty, z_plasty
 
 __all__ = [

@@ -71,11 +71,19 @@ def double_keystone_flap(
         for side, what in ((1.0, "upper_"), (-1.0, "lower_"))
     )
     ring = np.vstack([below.inner[:-1], above.inner[:0:-1]])
-    fronts = plane.edge_beside(above.front, above.middle), plane.edge_beside(below.front, below.middle)
+    pairs = (
+        ("defect", above.inner, below.inner),
+        ("end_left", above.ends[0], below.ends[0]),
+        ("end_right", above.ends[1], below.ends[1]),
+    )
+    fronts = (
+        Seam(name, (plane.edge_beside(one, above.middle), plane.edge_beside(other, below.middle)))
+        for name, one, other in pairs
+    )
     return FlapDesign(
         (plane.excised("defect", ring, np.zeros(2)),),
         (plane.points(above.cut), plane.points(below.cut)),
-        (Seam("defect", fronts), *above.seams, *below.seams),
+        (*fronts, *above.seams, *below.seams),
         (*above.corners, *below.corners),
         (),
         (plane.point(above.middle), plane.point(below.middle)),

@@ -102,6 +102,8 @@ class KeystoneIsland:
         The arc that it has in common with the defect, in the plane in mm, shape (k, 2).
     front
         The edge that goes into the defect: the inner arc with the first mm of both ends, shape (k, 2).
+    ends
+        Those first mm of the left and right end, from the defect's tips on, each of shape (k, 2).
     cut
         The incision around it, shape (k, 2).
     middle
@@ -114,6 +116,7 @@ class KeystoneIsland:
 
     inner: NDArray[np.float64]
     front: NDArray[np.float64]
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]]
     cut: NDArray[np.float64]
     middle: NDArray[np.float64]
     seams: tuple[Seam, ...]
@@ -181,7 +184,9 @@ def keystone_island(
     ends = segment(inner[0], outer[0])[:-1], segment(outer[-1], inner[-1])
     cut = np.vstack([(inner[0] + nick)[None], ends[0], outer[:-1], ends[1], (inner[-1] - nick)[None]])
     behind = plane.edge_beside(outer, flap), plane.edge_beside(back, np.array([0.0, 4.0 * side * length]))
-    return KeystoneIsland(inner, front, cut, flap, (*seams, Seam(f"{what}back", behind)), tuple(corners))
+    return KeystoneIsland(
+        inner, front, (taken[0], taken[1]), cut, flap, (*seams, Seam(f"{what}back", behind)), tuple(corners)
+    )
 
 
 _BEHAN = "F. C. Behan, ANZ J. Surg. 73 (2003) 112"

@@ -15,7 +15,8 @@ from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import length
 from lappet.designs.geodesic_drape import GeodesicDrape
 from lappet.designs.library import library_design
-from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
+from lappet.designs.technique import Row, Schedule, Technique
+from lappet.designs.transposition import flap_operation
 from lappet.designs.undermined_area import SkinBorder, contour_around, reaches_border
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.triangulation import triangulate
@@ -123,6 +124,7 @@ def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique
         beyond=round(0.5 * BEYOND * (1.0 + small) * design.undermined, 2),
         height=round(usual.height * small, 2),
         inside=min(usual.inside, max(0.1 * seam, spacing)),
+        runs=True,
     )
 
 

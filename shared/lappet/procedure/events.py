@@ -21,10 +21,10 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure.exact_values import Point, double_point, set_fields, single_points
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.prim_paths import TIMELINE
+from lappet.procedure.suture_run import SutureMode, SutureRun, describe_run
 from lappet.procedure.threads import THREADS
 
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
-SutureMode = Literal["exact", "thread"]
 
 
 @dataclass(frozen=True)
@@ -367,7 +367,9 @@ LOADS = (Traction, Pressure)  # these too
 MEASURES = (Landmark, Section)  # these have no time
 
 
-Event = Incision | Excision | Undermine | Hook | Retractor | Traction | Pressure | Suture | Landmark | Section
+Event = (
+    Incision | Excision | Undermine | Hook | Retractor | Traction | Pressure | Suture | SutureRun | Landmark | Section
+)
 
 
 def begins(event: Event) -> float:
@@ -427,10 +429,26 @@ def retimed(event: Event, shift: float) -> Event:
         case Pressure():
             pressure = tuple((time + shift, value) for time, value in event.pressure)
             return replace(event, start=event.start + shift, release=event.release + shift, pressure=pressure)
-        case Suture():
+        case Suture() | SutureRun():
             return replace(event, start=event.start + shift)
         case Landmark() | Section():
-            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", event.kind.lower(), name=event.name)
+            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", kind_words(event), name=event.name)
+
+
+def kind_words(event: Event) -> str:
+    """Write the kind of an event as people say it.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    str
+        The words: "sutures" of a run of them.
+    """
+    return "sutures" if isinstance(event, SutureRun) else event.kind.lower()
 
 
 def duration_text(event: Event) -> str:
@@ -449,7 +467,7 @@ def duration_text(event: Event) -> str:
     match event:
         case Hook() | Retractor() | Traction() | Pressure():
             return f"{number(event.start)} – {number(event.release)}"
-        case Suture():
+        case Suture() | SutureRun():
             return f"{number(event.start)} – {number(event.start + event.duration)}"
         case Landmark() | Section():
             return "always"
@@ -491,6 +509,8 @@ def describe(event: Event) -> str:
                 return f"{ends}, {number(event.rest_length)} mm apart at rest, {_hold(event)}"
             bites = f"through {len(event.anchors)} bites, {number(event.rest_length)} mm of thread at rest"
             return f"{ends} {bites}, {_hold(event)}"
+        case SutureRun():
+            return describe_run(event)
         case Traction():
             most = max((value for _, value in event.traction), key=lambda each: math.hypot(*each), default=(0.0,) * 3)
             return f"{place(most)} kPa at most on {event.faces!r}"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lappet.procedure.events import Event, Landmark, begins, describe, duration_text
+from lappet.procedure.events import Event, Landmark, begins, describe, duration_text, kind_words
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
@@ -50,7 +50,7 @@ def storyboard(procedure: Procedure) -> str:
     width = max((len(event.name) for event in procedure.events), default=0)
     for event in in_time_order(procedure.events):
         lines.append(
-            f"  {duration_text(event):>11}  {event.kind.lower():<9}  {event.name:<{width}}  {describe(event)}".rstrip()
+            f"  {duration_text(event):>11}  {kind_words(event):<9}  {event.name:<{width}}  {describe(event)}".rstrip()
         )
     return "\n".join(lines)
 

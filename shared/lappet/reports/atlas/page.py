@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lappet.bench.tables import markdown_table
+from lappet.designs.flap_plan import flap_plan
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign
 from lappet.reports.report_files import described
@@ -18,13 +19,15 @@ design at its defaults on a flat patch of the default skin, 4 mm thick.
 ```
 lappet flap list                                     # the designs
 lappet flap show bilobed                             # its measures, their ranges and sources
+lappet flap show bilobed --picture plan.svg          # its plan as a line drawing, to scale
 lappet flap add limberg -o flap.usda                 # on a flat patch of its own
 lappet flap add bilobed face.usda -o flap.usda --at 2 -10 -14 --direction 0 0 1 --set diameter=8
 lappet flap add fusiform face.usda -o flap.usda --landmark lesion --lines along
 ```
 
 `add` writes the whole operation: cuts, excision, undermining, hooks that carry the flap, three rows of sutures (deep,
-dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add > Lappet > Flap*. A design is laid on
+dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add > Lappet > Flap*, or *Flap Library* in
+the timeline's panel. A design is laid on
 curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
 skin, it is refused with the place and the share that fits. In Python:
 
@@ -112,6 +115,7 @@ def _section(design: LibraryDesign, row: Mapping[str, Any] | None) -> str:
         for parameter in design.parameters
     ]
     lines = [f"## {design.name}", "", f"**{design.title}.** {design.indication}", ""]
+    lines += [f"![Plan: {design.title}](images/flaps/{design.name}_plan.svg)", "", *_meetings(design)]
     if row is not None:
         lines += [f"![{design.title}, step by step](images/flaps/{design.name}.jpg)", ""]
     lines += [f"`--at` is {design.center}, `--direction` {design.direction}.", ""]
@@ -120,6 +124,11 @@ def _section(design: LibraryDesign, row: Mapping[str, Any] | None) -> str:
     lines += [markdown_table(["measure", "what it is", "default", "range", "source"], measures), ""]
     lines += [f"Sources: {design.sources}", ""]
     return "\n".join(lines)
+
+
+def _meetings(design: LibraryDesign) -> list[str]:
+    pairs = [f"{flap} and {wound}" for flap, wound in flap_plan(design).meetings]
+    return [f"In the end meet: {', '.join(pairs)}.", ""] if pairs else []
 
 
 def _measured(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
