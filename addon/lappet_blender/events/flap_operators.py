@@ -8,6 +8,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 from numpy.typing import NDArray
 
+from lappet.checks.narrow_flaps import narrow_flaps
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.library import DESIGNS
@@ -17,6 +18,7 @@ from lappet.procedure import Procedure
 from lappet.tissue.skin_sheet import SkinSheet
 
 from ..interface.operator_base import OperatorBase
+from ..interface.problem_sentence import problem_sentence
 from ..model.scene_procedure import read_scene
 from ..model.units import to_mm
 from .add_events import add_events
@@ -66,6 +68,8 @@ class _FlapAdd(OperatorBase):
         except RefusedError:
             scene.frame_end = last
             raise
+        for found in narrow_flaps(flap, set()):
+            self.report({"WARNING"}, problem_sentence(found))
         return f"{self.design.title}: {len(flap.events) - before} events."
 
     def _direction(self, procedure: Procedure, at: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -177,6 +177,7 @@ def add(
     with sentences(context):
         from dataclasses import replace
 
+        from lappet.checks.narrow_flaps import narrow_flaps
         from lappet.designs.fitted_design import fit_to_defect, lengths_of, marked_defect, without_drawn
         from lappet.designs.library_operation import (
             SPACING,
@@ -205,6 +206,8 @@ def add(
             made = add_flap(given, name, place, way, values, mirrored=mirrored, start=start)
         write_procedure(made, output)
         click.echo(f"Written: {output}")
+        for found in narrow_flaps(made, set()):
+            click.echo(f"{found.severity}: {found}", err=True)
 
 
 def _require_whole(

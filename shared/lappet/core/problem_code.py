@@ -183,6 +183,7 @@ class ProblemCode(StrEnum):
     INCISION_TWICE = auto()
     INCISION_CROSSES_ITSELF = auto()
     KERF_WIDE = auto()
+    FLAP_NARROW_BASE = auto()
     SUTURES_CROSSED = auto()
     SUTURE_RUN_MERGED = auto()
     SUTURE_RUN_UNEQUAL = auto()

@@ -141,9 +141,14 @@ def schedule(design: FlapDesign, start: float = 1.0) -> Schedule:
     Returns
     -------
     Schedule
-        That of a flap; without hooks its sutures follow the undermining.
+        That of a flap; without hooks its sutures follow the undermining, and what is cut out late the first seams.
     """
-    usual = Schedule() if design.carries else Schedule(donor_from=8, donor_to=18, suture_from=8, suture_to=21, end=24)
+    if any(cut.late for cut in design.excised):
+        usual = Schedule(donor_from=8, donor_to=16, trim=19, suture_from=20, suture_to=29, end=32)
+    elif design.carries:
+        usual = Schedule()
+    else:
+        usual = Schedule(donor_from=8, donor_to=18, suture_from=8, suture_to=21, end=24)
     return Schedule(**{name: value + start - 1.0 for name, value in vars(usual).items()})
 
 

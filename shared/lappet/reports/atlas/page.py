@@ -63,8 +63,18 @@ def flap_page(results: Mapping[str, Any]) -> str:
         The text of docs/flaps.md.
     """
     rows = {row["name"]: row for row in results["rows"]}
-    parts = [_INTRODUCTION, _overview(rows, float(results["spacing_mm"])), described(results) + "\n"]
+    parts = [_INTRODUCTION, _overview(rows, float(results["spacing_mm"])), _runs(results) + "\n"]
     return "\n".join([*parts, *(_section(design, rows.get(name)) for name, design in DESIGNS.items())])
+
+
+def _runs(results: Mapping[str, Any]) -> str:
+    """What the rows were taken on: a line for each run, the longest one without the names of its designs."""
+    runs = results.get("runs")
+    if runs is None or len(runs) == 1:
+        return described(runs[0] if runs else results)
+    first, *others = sorted(runs, key=lambda run: -len(run["designs"]))
+    lines = [described(first), *(f"{', '.join(run['designs'])}: {described(run)}" for run in others)]
+    return "\n\n".join(lines)
 
 
 def _overview(rows: Mapping[str, Mapping[str, Any]], spacing: float) -> str:
