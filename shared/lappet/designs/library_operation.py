@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.crossing_cuts import crossing_cuts
 from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import length
 from lappet.designs.geodesic_drape import GeodesicDrape
@@ -71,8 +72,8 @@ def flap_on_skin(
     Raises
     ------
     RefusedError
-        If the library has no such design or the design no such parameter, a value is out of range, or the design is
-        larger than the skin there.
+        If the library has no such design or the design no such parameter, a value is out of range, the design is larger
+        than the skin there, or its cuts cross.
     """
     row = library_design(name)
     given = row.values(values or {})
@@ -88,6 +89,10 @@ def flap_on_skin(
             at="({:.1f}, {:.1f}, {:.1f})".format(*lacking.point),
             share=f"{math.floor(100.0 * lacking.share)} %",
         )
+    crossing = crossing_cuts(design)
+    if crossing is not None:
+        at_point = "({:.1f}, {:.1f}, {:.1f}) mm".format(*crossing)
+        raise refused(ProblemCode.DESIGN_CROSSES, name, at_point, place=Place.at(crossing))
     return design
 
 
