@@ -11,8 +11,7 @@ from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import NICK
 from lappet.procedure import Point
 
-_APART = 0.5  # mm between two chords of curves on skin that cross
-_SLANT = 0.17  # sine of 10°: a triangle's base that lies on an incision weaves about it on curved skin
+_APART = 0.01  # mm between two chords that cross in one plane
 _SAME = 1e-6  # share of a chord beside its ends: curves may meet in points of theirs
 
 
@@ -25,7 +24,7 @@ def crossing_cuts(design: FlapDesign) -> Point | None:
     Parameters
     ----------
     design
-        The design, on the skin or in its plane.
+        The design in its plane: on curved skin chords of lines that lie on each other weave about each other.
 
     Returns
     -------
@@ -58,7 +57,7 @@ def _crossings(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[
     between, v = other[second] - start, other[second + 1] - other[second]
     normal = np.cross(u, v)
     area = np.einsum("ij,ij->i", normal, normal)
-    slanted = area > _SLANT**2 * np.einsum("ij,ij->i", u, u) * np.einsum("ij,ij->i", v, v)
+    slanted = area > 1e-9 * np.einsum("ij,ij->i", u, u) * np.einsum("ij,ij->i", v, v)
     area = np.where(slanted, area, 1.0)
     s = np.einsum("ij,ij->i", np.cross(between, v), normal) / area
     t = np.einsum("ij,ij->i", np.cross(between, u), normal) / area

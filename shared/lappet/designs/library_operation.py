@@ -78,6 +78,12 @@ def flap_on_skin(
     row = library_design(name)
     given = row.values(values or {})
     drape = GeodesicDrape(SkinSheet.of(tissue), at)
+    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, **given)
+    crossing = crossing_cuts(plane)
+    if crossing is not None:
+        on_skin = drape(np.array([crossing]))[0]
+        where = "({:.1f}, {:.1f}, {:.1f}) mm".format(*on_skin)
+        raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
     if drape.misfit is not None:
         lacking = drape.misfit
@@ -89,10 +95,6 @@ def flap_on_skin(
             at="({:.1f}, {:.1f}, {:.1f})".format(*lacking.point),
             share=f"{math.floor(100.0 * lacking.share)} %",
         )
-    crossing = crossing_cuts(design)
-    if crossing is not None:
-        at_point = "({:.1f}, {:.1f}, {:.1f}) mm".format(*crossing)
-        raise refused(ProblemCode.DESIGN_CROSSES, name, at_point, place=Place.at(crossing))
     return design
 
 
