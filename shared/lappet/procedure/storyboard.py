@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lappet.procedure.events import Event, Landmark, begins, describe, duration_text, kind_words
+from lappet.procedure.event_text import describe, duration_text
+from lappet.procedure.events import Event, Landmark, begins, kind_words
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
