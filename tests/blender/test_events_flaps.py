@@ -41,7 +41,7 @@ def test_there_is_an_operator_for_every_design() -> None:
     assert [each.design.name for each in OPERATORS] == list(DESIGNS)
 
 
-ON_THEIR_BED = ("upper-lid", "keystone")  # nothing is undermined
+ON_THEIR_BED = ("upper-lid", "keystone", "keystone-iii")  # nothing is undermined
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -53,6 +53,13 @@ def test_a_design_adds_its_operation_without_a_problem(patch: bpy.types.Scene, n
     procedure = read_scene(patch).procedure
     assert procedure is not None
     assert len(procedure.events) == len(patch.lappet.events)
+
+
+def test_a_flap_on_a_narrow_base_is_added_with_a_warning(patch: bpy.types.Scene, capfd: pytest.CaptureFixture) -> None:
+    """`bpy.ops` prints what an operator reports."""
+    assert ops.flap_u_plasty(width=12.0, length=4.0, lines="X", time=1) == {"FINISHED"}
+    assert "more than 3:1" in capfd.readouterr().out
+    assert len(patch.lappet.events)
 
 
 def test_a_limberg_lies_at_the_cursor_with_the_measures_given(patch: bpy.types.Scene) -> None:
@@ -134,8 +141,11 @@ def test_a_picture_shows_the_cuts_within_its_frame_and_what_is_excised(name: str
     assert 0.01 < np.mean(pixels[:, :, 0] > 0.8) < 0.5
     low, high = plan.bounds
     scale = (SIZE - 18.0) / float((high - low).max())
-    for outline in plan.outlines:
-        middle = outline.mean(axis=0) * scale + 0.5 * SIZE - 0.5 * scale * (low + high)
+    row = DESIGNS[name]
+    drawn = row.draw(np.zeros(3), (1.0, 0.0, 0.0), **row.values({}))
+    assert len(plan.outlines) == len(drawn.excised)
+    for cut in drawn.excised:  # the seed lies in what is excised, also where that is bent, as a crescent
+        middle = np.array(cut.seed[:2]) * scale + 0.5 * SIZE - 0.5 * scale * (low + high)
         assert pixels[int(middle[1]), int(middle[0]), 3] > 0.5
 
 

@@ -53,6 +53,15 @@ def test_a_design_without_a_procedure_comes_on_a_patch_of_its_own(tmp_path: Path
     assert {Incision, Hook, SutureRun, Landmark} <= {type(event) for event in procedure.events}
 
 
+def test_a_flap_on_a_narrow_base_is_written_with_a_warning(tmp_path: Path) -> None:
+    result = run("add", "u-plasty", "-o", tmp_path / "p.usda", "--set", "length=4", "--spacing", 2)
+    assert result.exit_code == 0
+    assert (tmp_path / "p.usda").exists()
+    assert "more than 3:1" in result.stderr
+    assert "warning" in result.stderr
+    assert run("add", "u-plasty", "-o", tmp_path / "p.usda", "--spacing", 2).stderr == ""
+
+
 def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path, tmp_path: Path) -> None:
     result = run("add", "z-plasty", dome, "-o", tmp_path / "p.usda", "--landmark", "lesion", "--lines", "across")
     assert result.exit_code == 0, result.output

@@ -331,6 +331,7 @@ class ProblemCode(StrEnum):
     DESIGN_PARAMETER = auto()
     DESIGN_RANGE = auto()
     DESIGN_OFF_SKIN = auto()
+    DESIGN_CROSSES = auto()
     DESIGN_LANDMARK = auto()
     DESIGN_NO_LINES = auto()
     DESIGN_DEFECT_UNKNOWN = auto()

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.crossing_cuts import crossing_cuts
 from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import length
 from lappet.designs.geodesic_drape import GeodesicDrape
@@ -71,12 +72,18 @@ def flap_on_skin(
     Raises
     ------
     RefusedError
-        If the library has no such design or the design no such parameter, a value is out of range, or the design is
-        larger than the skin there.
+        If the library has no such design or the design no such parameter, a value is out of range, the design is larger
+        than the skin there, or its cuts cross.
     """
     row = library_design(name)
     given = row.values(values or {})
     drape = GeodesicDrape(SkinSheet.of(tissue), at)
+    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, **given)
+    crossing = crossing_cuts(plane)
+    if crossing is not None:
+        on_skin = drape(np.array([crossing]))[0]
+        where = "({:.1f}, {:.1f}, {:.1f}) mm".format(*on_skin)
+        raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
     if drape.misfit is not None:
         lacking = drape.misfit
