@@ -165,6 +165,7 @@ class ProblemCode(StrEnum):
     SUTURE_RUN_NUMBER = auto()
     SUTURE_RUN_SIDE = auto()
     SUTURE_RUN_CORNER = auto()
+    SUTURE_RUN_INSIDES = auto()
     SUTURE_RUN_LAYERS = auto()
     SUTURE_RUN_DEPTH = auto()
     SUTURE_RUN_WORD = auto()
