@@ -77,7 +77,7 @@ def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path,
     ("options", "status", "said"),
     [
         (("limberg", "--at", 0, 0, 90), 2, "--direction"),
-        (("limberg", "--at", 0, 0, 90, "--landmark", "lesion"), 2, "not both"),
+        (("limberg", "--at", 0, 0, 90, "--landmark", "lesion"), 2, "Give one of"),
         (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--lines", "along"), 2, "not both"),
         (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--set", "side"), 2, "NAME=VALUE"),
         (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--set", "side=1000"), 1, "side"),
