@@ -107,12 +107,20 @@ def test_seams_use_every_cut_on_both_its_sides(name: str) -> None:
 
 
 def _base(design: FlapDesign, name: str) -> float:
-    """Length of a Burow's triangle's base, which lies on a lip and is counted as lip and as rim, or 0."""
+    """Length of what is excised beside a lip and not sewn, counted half as its own rim and half as the lip, or 0."""
     seams = {seam.name: seam for seam in design.seams}
     if name not in seams or name == "defect":
         return 0.0
     first, second = (np.array(edge.points[0]) for edge in seams[name].edges)
-    return float(np.linalg.norm(first - second))
+    (cut,) = (cut for cut in design.excised if cut.name == name)
+    if not cut.late:
+        return float(np.linalg.norm(first - second))
+    whole = length(np.array([*cut.outline, cut.outline[0]]))
+    unsewn = whole - sum(length(np.array(edge.points)) for edge in seams[name].edges)
+    rim = np.array(design.excised[0].outline)  # a dog-ear's base is a part of the defect's rim
+    ends = sorted(int(np.linalg.norm(rim - end, axis=1).argmin()) for end in (first, second))
+    along = length(rim[ends[0] : ends[1] + 1])
+    return 0.5 * (unsewn + min(along, length(np.vstack([rim, rim[:1]])) - along))
 
 
 @EVERY

@@ -33,6 +33,8 @@ class Schedule:
         The hooks are released.
     end
         Last frame.
+    trim
+        The removal of what is cut out late; it is incised a frame before.
     """
 
     incise: float = 2
@@ -46,6 +48,7 @@ class Schedule:
     suture_to: float = 37
     let_go: float = 35
     end: float = 40
+    trim: float = 34
 
 
 @dataclass(frozen=True)

@@ -48,17 +48,40 @@ def flap_operation(
         The events: incisions, excision, undermining, hooks, sutures or runs of them, landmarks.
     """
     return (
-        *(Incision(cut.name, when.incise, cut.outline, kerf=how.kerf, closed=True) for cut in design.excised),
+        *(
+            Incision(cut.name, when.trim - 1.0 if cut.late else when.incise, cut.outline, kerf=how.kerf, closed=True)
+            for cut in design.excised
+        ),
         *(
             Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
             for k, curve in enumerate(design.incisions)
         ),
-        *([Excision("excision", when.excise, tuple(cut.seed for cut in design.excised))] if design.excised else []),
+        *excisions(design, when),
         *([Undermine("undermining", when.undermine, outline(design, skin, how.beyond))] if how.beyond > 0.0 else []),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *(suture_runs(design, when, how) if how.runs else sutures(design, skin, when, how)),
         *landmarks(design, skin, how),
     )
+
+
+def excisions(design: FlapDesign, when: Schedule) -> list[Excision]:
+    """Take out what is cut out, at first and late.
+
+    Parameters
+    ----------
+    design
+        The design.
+    when
+        Time codes of the steps.
+
+    Returns
+    -------
+    list[Excision]
+        At most two excisions.
+    """
+    steps = (("excision", when.excise, False), ("trimming", when.trim, True))
+    seeds = {late: tuple(cut.seed for cut in design.excised if cut.late == late) for late in (False, True)}
+    return [Excision(name, time, seeds[late]) for name, time, late in steps if seeds[late]]
 
 
 def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
