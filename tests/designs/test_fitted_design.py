@@ -16,7 +16,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 from refusals import refuses
 
 TOP = 4.0
-PATCH = flat_patch((160.0, 160.0, TOP))
+PATCH = flat_patch((140.0, 140.0, TOP), resolution=7.0)
 TURN = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
 X = (1.0, 0.0, 0.0)
 CLOSES = ("fusiform", "limberg", "dufourmentel", "bilobed", "rotation", "o-z", "u-plasty", "a-t", "keystone")
@@ -43,8 +43,7 @@ def test_a_round_design_is_as_wide_as_a_round_defect() -> None:
     assert fit_to_defect(PATCH, "o-z", circle(7.5), X).values["diameter"] == pytest.approx(15.0, rel=2e-3)
 
 
-@pytest.mark.parametrize("mirrored", [False, True])
-@pytest.mark.parametrize("name", CLOSES)
+@pytest.mark.parametrize(("name", "mirrored"), [*((name, False) for name in CLOSES), ("bilobed", True), ("a-t", True)])
 def test_the_defect_lies_inside_what_is_excised_and_a_smaller_design_does_not_hold_it(
     name: str, mirrored: bool
 ) -> None:
