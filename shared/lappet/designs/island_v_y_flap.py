@@ -1,10 +1,10 @@
 """The island V–Y: a triangle of skin, cut free all around, slides on the tissue below it into the defect.
 
 In the design's plane the defect is a square of side w about the origin, and the island lies to its right: its front is
-the defect's right side, its two sides run straight to its tip T. It moves by the advance s until its front lies on the
-defect's left side as far as s reaches; what is left of the defect is closed by the skin around. The sides of the square
-above and below are sewn to the first s of the island's sides, the rest of these to their own outer lips; behind the tip
-the last s of the two outer lips are sewn to each other, the stem of the Y.
+the defect's right side, its two sides run straight to its tip T. Its front is sewn to the defect's left side, half of
+the way by the island's advance s, the rest by the skin on the left. Behind the tip the last s of the two outer lips are
+sewn to each other, the stem of the Y; the rest of the lips, with the defect's upper and lower side, to the island's
+sides, a little shorter. Island and skin around are undermined: the stalk of fat that feeds it is not modeled.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ def island_v_y_flap(
     direction: ArrayLike,
     width: float,
     length: float = 2.0,
+    advance: float = 0.5,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
@@ -42,6 +43,8 @@ def island_v_y_flap(
         Side of the square defect in mm.
     length
         Length of the island in widths.
+    advance
+        How far its tip goes, in widths.
     normal
         Outwards from the skin at the middle, shape (3,).
     mirrored
@@ -52,16 +55,16 @@ def island_v_y_flap(
     Returns
     -------
     FlapDesign
-        The design. Nothing is undermined.
+        The design.
 
     Raises
     ------
     RefusedError
         If a length is not positive.
     """
-    require_lengths("island_v_y", width=width, length=length)
+    require_lengths("island_v_y", width=width, length=length, advance=advance)
     plane = DesignPlane.at(center, skin_axes(direction, normal, "island_v_y"), mirrored, project)
-    half = 0.5 * width
+    half, slid = 0.5 * width, advance * width
     tip = np.array([half + length * width, 0.0])
     flap = np.array([half + 0.35 * length * width, 0.0])
     seams, corners, cuts, stem, front, back = [], [], [], [], [], []
@@ -72,12 +75,12 @@ def island_v_y_flap(
         whole = length_of(np.vstack([far[None], arm]))
         lip = polyline(far, near, tip)
         seams.append(
-            Seam(name, (plane.edge_beside(arm, flap), plane.edge_beside(part(lip, 0.0, whole - width), beyond)))
+            Seam(name, (plane.edge_beside(arm, flap), plane.edge_beside(part(lip, 0.0, whole - slid), beyond)))
         )
-        stem.append(plane.edge_beside(part(lip, whole - width, whole), beyond))
+        stem.append(plane.edge_beside(part(lip, whole - slid, whole), beyond))
         top = plane.spot(near, flap)
         corners.append(Corner(name, top, plane.spot(far, 1.3 * far)))
-        end = part(lip, 0.0, whole - width)[-1]
+        end = part(lip, 0.0, whole - slid)[-1]
         corners.append(Corner(f"tip_{name}", plane.spot(tip, flap), plane.spot(end, end + 0.05 * beyond)))
         cuts.append(np.vstack([(near - 0.7 * NICK * np.array([1.0, sign]))[None], arm]))
         front.append(near)
@@ -107,6 +110,7 @@ ISLAND_V_Y = LibraryDesign(
     (
         Parameter("width", "side of the square defect", "mm", 10.0, 3.0, 40.0, _BAKER),
         Parameter("length", "length of the island, in widths", "", 2.2, 1.5, 3.5, "2 to 3 defects long: " + _BAKER),
+        Parameter("advance", "how far its tip goes, in widths", "", 0.5, 0.3, 1.0, "chosen: half of the way"),
     ),
     island_v_y_flap,
     "the middle of the defect",
