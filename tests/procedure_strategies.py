@@ -75,6 +75,7 @@ def suture_runs(name: str) -> st.SearchStrategy[SutureRun]:
         st.sampled_from(["exact", "thread"]),
         st.sampled_from(["", "nylon 5-0"]),
         *([numbers] * 4),
+        st.lists(st.tuples(points, points), max_size=2).map(tuple),
     )
 
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from event_patch import patch_scene
+from event_patch import co, patch_scene
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.flap_plan import flap_plan
 from lappet.designs.library import DESIGNS
@@ -151,3 +151,24 @@ def test_a_picture_shows_the_cuts_within_its_frame_and_what_is_excised(name: str
 
 def test_the_measures_of_a_flap_can_be_kept_as_presets() -> None:
     assert all("PRESET" in each.bl_options for each in OPERATORS)
+
+
+def test_a_flap_takes_the_place_and_the_size_of_the_outline_that_is_active(patch: bpy.types.Scene) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    ring = [(-10.0 + 6.0 * np.cos(a), 5.0 + 6.0 * np.sin(a), TOP) for a in angle]
+    ops.incision_add(points=co(ring), time=1, closed=True, name="lesion")
+    assert ops.flap_limberg(fit=True, lines="X", time=1) == {"FINISHED"}
+    found = {event.name: event for event in events(patch)}
+    assert "lesion" not in found
+    excision = found["excision"]
+    assert isinstance(excision, Excision)
+    assert excision.seeds[0] == pytest.approx((-10.0, 5.0, TOP), abs=0.1)
+    outline = np.array(found["defect"].points)
+    side = 2.0 * 6.0 / np.sin(np.radians(60.0))  # of a rhombus of 60 degrees around the circle
+    assert np.ptp(outline[:, 1]) == pytest.approx(side * np.sqrt(3.0), rel=0.01)
+
+
+def test_a_flap_without_an_active_outline_is_refused_and_nothing_changes(patch: bpy.types.Scene) -> None:
+    ops.landmark_add(point=(5, 5, TOP), label="here")
+    assert refusal_code(lambda: ops.flap_limberg(fit=True, time=1)) == ProblemCode.DESIGN_DEFECT_UNKNOWN
+    assert len(patch.lappet.events) == 1

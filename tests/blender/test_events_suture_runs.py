@@ -61,6 +61,7 @@ EVERYTHING = SutureRun(
     drawn=0.85,
     tension=300.0,
     pull_through=900.0,
+    insides=(((10.0, 3.0, TOP), (11.0, -3.0, TOP)),),
 )
 
 
@@ -74,7 +75,8 @@ def test_a_copy_of_a_run_has_its_corners_and_layers(patch: bpy.types.Scene) -> N
     add_value(patch, EVERYTHING)
     assert ops.event_duplicate(event="whole", shift=3.0) == {"FINISHED"}
     copy = run_of(patch.lappet.events[1].name)
-    assert (copy.corners, copy.layers, copy.start) == (EVERYTHING.corners, EVERYTHING.layers, 12.0)
+    assert (copy.corners, copy.insides, copy.layers) == (EVERYTHING.corners, EVERYTHING.insides, EVERYTHING.layers)
+    assert copy.start == 12.0
 
 
 def test_two_edges_are_sewn_by_one_event_with_as_many_stitches_as_asked_for(patch: bpy.types.Scene) -> None:

@@ -53,6 +53,7 @@ def test_a_run_along_both_walls_of_a_cut_is_right() -> None:
         ({"corners": ((3, 3),)}, ProblemCode.SUTURE_RUN_CORNER),
         ({"corners": ((1, 1), (1, 1))}, ProblemCode.SUTURE_RUN_CORNER),
         ({"corners": ((0, 1),)}, ProblemCode.SUTURE_RUN_CORNER),
+        ({"insides": (((0, 3, TOP), (0, -3, TOP)),)}, ProblemCode.SUTURE_RUN_INSIDES),
         ({"layers": ()}, ProblemCode.SUTURE_RUN_LAYERS),
         ({"layers": (SutureLayer("skin"), SutureLayer("skin", 1.0))}, ProblemCode.SUTURE_RUN_LAYERS),
         ({"layers": (SutureLayer("not a name"),)}, ProblemCode.SUTURE_RUN_LAYERS),
@@ -73,11 +74,11 @@ def test_a_run_that_cannot_be_sewn_is_refused_with_one_problem(changes: dict[str
 
 
 def test_very_unequal_edges_are_warned_of_and_nearly_equal_ones_not() -> None:
-    for depth, warned in ((10.0, False), (20.0, True)):
-        bent = ((-15.0, 0.0, TOP), (0.0, -0.9 * depth, TOP), (15.0, 0.0, TOP))
-        run = replace(RUN, edges=(CUT, bent))
-        longer, shorter = max(run.lengths), min(run.lengths)
-        assert (longer / shorter > UNEQUAL) == warned
+    straight = ((-8.0, 0.0, TOP), (8.0, 0.0, TOP))
+    for depth, warned in ((12.0, False), (16.0, True)):
+        bent = (straight[0], (0.0, -depth, TOP), straight[1])
+        run = replace(RUN, edges=(straight, bent))
+        assert (run.lengths[1] / run.lengths[0] > UNEQUAL) == warned
         assert codes(run) == ([ProblemCode.SUTURE_RUN_UNEQUAL] if warned else [])
 
 

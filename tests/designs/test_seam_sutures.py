@@ -28,15 +28,10 @@ def test_runs_have_the_stitches_that_the_seams_have_one_by_one(name: str) -> Non
     places = np.array([suture.anchors for suture in single])
     found = [event for event in with_single_sutures(procedure).events if isinstance(event, Suture)]
     assert len(found) == len(single)
-    unequal = []
     for suture in found:
         ends = np.array(suture.anchors)
         off = np.minimum(np.abs(places - ends).max(axis=(1, 2)), np.abs(places - ends[::-1]).max(axis=(1, 2)))
-        if off.min() > 0.02:
-            unequal.append(float(off.min()))
-    # Those in corners at the end of a run lie in its edges, not ahead of them.
-    assert len(unequal) <= len(how.rows) * len(design.corners)
-    assert max(unequal, default=0.0) < 0.8
+        assert off.min() < 0.02, suture.name  # which a curved edge's direction differs by, seen from its other end
 
 
 def test_a_limberg_flap_is_sewn_with_two_runs_one_round_its_corners() -> None:

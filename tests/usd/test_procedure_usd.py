@@ -185,6 +185,7 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
         drawn=0.8,
         tension=300.0,
         pull_through=900.0,
+        insides=(((2, 2, 2), (2, -2, 2)),),
     )
     events = (*(thread if event.name == "stitch" else event for event in _layered().events), run)
     write_procedure(replace(_layered(), events=events), tmp_path / "p.usda")

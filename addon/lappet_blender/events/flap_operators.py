@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lappet.checks.narrow_flaps import narrow_flaps
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.fitted_design import fit_to_defect, marked_defect, without_drawn
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.designs.library_operation import add_flap, skin_line_direction
@@ -19,6 +20,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 from ..interface.operator_base import OperatorBase
 from ..interface.problem_sentence import problem_sentence
+from ..model.event_list import find_event, remove_event
 from ..model.scene_procedure import read_scene
 from ..model.units import to_mm
 from .add_events import add_events
@@ -42,6 +44,7 @@ class _FlapAdd(OperatorBase):
     design: LibraryDesign
     at: Any
     lines: str
+    fit: bool
     turned: float
     mirrored: bool
 
@@ -52,14 +55,18 @@ class _FlapAdd(OperatorBase):
         if reading.procedure is None:
             raise RefusedError([each for each in reading.problems if each.severity == "error"])
         procedure = reading.procedure
-        at = self.at if self.properties.is_property_set("at") else to_mm(scene, scene.cursor.location)
-        on_skin, normals = SkinSheet.of(tissue).at(at)
-        direction = _turned(self._direction(procedure, on_skin[0]), normals[0], self.turned)
+        outline = _active_name(scene) if self.fit else ""
+        drawn = marked_defect(procedure, outline) if self.fit else None
+        at = to_mm(scene, scene.cursor.location) if drawn is None else drawn.mean(axis=0)
+        on_skin, normals = SkinSheet.of(tissue).at(self.at if self.properties.is_property_set("at") else at)
+        place = on_skin[0]
+        direction = _turned(self._direction(procedure, place), normals[0], self.turned)
         measures = {each.name: float(getattr(self, each.name)) for each in self.design.parameters}
+        if drawn is not None:
+            fitted = fit_to_defect(tissue, self.design.name, drawn, direction, measures, mirrored=self.mirrored)
+            place, measures = np.array(fitted.at), fitted.values
         start = given(self, "time", scene.frame_current)
-        flap = add_flap(
-            procedure, self.design.name, on_skin[0], direction, measures, mirrored=self.mirrored, start=start
-        )
+        flap = add_flap(procedure, self.design.name, place, direction, measures, mirrored=self.mirrored, start=start)
         before = len(procedure.events)
         last = scene.frame_end
         scene.frame_end = max(last, math.ceil(flap.end_time))
@@ -68,6 +75,8 @@ class _FlapAdd(OperatorBase):
         except RefusedError:
             scene.frame_end = last
             raise
+        if drawn is not None:
+            _take_away(scene, procedure, without_drawn(procedure, outline))
         for found in narrow_flaps(flap, set()):
             self.report({"WARNING"}, problem_sentence(found))
         return f"{self.design.title}: {len(flap.events) - before} events."
@@ -82,6 +91,19 @@ class _FlapAdd(OperatorBase):
             if self.properties.is_property_set("lines") or refused.problems[0].code != ProblemCode.DESIGN_NO_LINES:
                 raise
             return np.array([1.0, 0.0, 0.0])
+
+
+def _active_name(scene: bpy.types.Scene) -> str:
+    events, active = scene.lappet.events, scene.lappet.active_event
+    return str(events[active].name) if 0 <= active < len(events) else ""
+
+
+def _take_away(scene: bpy.types.Scene, procedure: Procedure, left: Procedure) -> None:
+    """Remove the events of a procedure that are not left."""
+    names = {each.name for each in left.events}
+    for each in procedure.events:
+        if each.name not in names and (event := find_event(scene, each.name)) is not None:
+            remove_event(scene, event)
 
 
 def _turned(direction: NDArray[np.float64], normal: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -118,6 +140,10 @@ def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
             default="ACROSS" if design.lines == "across" else "ALONG",
         ),
         "turned": FloatProperty(name="Turned", description="Turned in the skin by this angle", subtype="ANGLE"),
+        "fit": BoolProperty(
+            name="Fit to Active Outline",
+            description="Lie where the closed incision or landmark is that is active in the timeline, as large as that",
+        ),
         "mirrored": BoolProperty(name="Mirrored", description="Mirrored about its direction"),
         "time": FloatProperty(name="Frame", description="Before the first cut; if not given, the current frame"),
     }

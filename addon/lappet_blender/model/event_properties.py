@@ -31,6 +31,9 @@ class LappetRunCorner(bpy.types.PropertyGroup):
 
     first: count(name="First", description="Number of the point of the first edge", default=0, min=0)
     second: count(name="Second", description="Number of the point of the second edge", default=0, min=0)
+    told: flag(name="Told", description="It is said below where the tissue of the corner lies", default=False)
+    first_inside: vector(name="First Inside", description="Toward this, at rest, in mm", size=3, precision=3)
+    second_inside: vector(name="Second Inside", description="Toward this, at rest, in mm", size=3, precision=3)
 
 
 class LappetSutureLayer(bpy.types.PropertyGroup):

@@ -39,6 +39,7 @@ def run_value(event: Any, name: str, start: float, points: tuple[Point, ...]) ->
         decimal(event.drawn),
         decimal(event.tension),
         decimal(event.pull_through),
+        run_insides(event),
     )
 
 
@@ -55,7 +56,7 @@ def set_run(event: Any, run: SutureRun) -> None:
     first, second = run.edges
     set_points(event, (*first, *second))
     event.second_from = len(first)
-    set_corners(event, run.corners)
+    set_corners(event, run.corners, run.insides)
     set_layers(event, run.layers)
 
 
@@ -64,12 +65,28 @@ def run_corners(event: Any) -> tuple[tuple[int, int], ...]:
     return tuple((int(corner.first), int(corner.second)) for corner in event.corners)
 
 
-def set_corners(event: Any, corners: tuple[tuple[int, int], ...]) -> None:
-    """Give an event the corners of a run."""
+def run_insides(event: Any) -> tuple[tuple[Point, Point], ...]:
+    """Where the tissue of the corners lies, for all of them or none."""
+    if not all(corner.told for corner in event.corners):
+        return ()
+    return tuple((_point(corner.first_inside), _point(corner.second_inside)) for corner in event.corners)
+
+
+def set_corners(
+    event: Any, corners: tuple[tuple[int, int], ...], insides: tuple[tuple[Point, Point], ...] = ()
+) -> None:
+    """Give an event the corners of a run, and where their tissue lies."""
     event.corners.clear()
-    for one, other in corners:
+    for k, (one, other) in enumerate(corners):
         corner = event.corners.add()
         corner.first, corner.second = one, other
+        if insides:
+            corner.told, (corner.first_inside, corner.second_inside) = True, insides[k]
+
+
+def _point(place: Any) -> Point:
+    x, y, z = (decimal(value) for value in place)
+    return (x, y, z)
 
 
 def run_layers(event: Any) -> tuple[SutureLayer, ...]:

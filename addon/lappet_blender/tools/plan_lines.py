@@ -16,6 +16,7 @@ from ..events.run_preview import stitches_of
 from ..look.dashed_line import dashes
 from ..model.event_properties import LappetEvent
 from ..model.mesh_values import GROUP
+from ..model.suture_run_values import run_corners, run_insides
 from ..model.vessel_values import KIND_OF
 from .drawing import DrawnLine
 from .handles import LINE_KINDS, event_points, is_closed
@@ -235,7 +236,7 @@ def plan_key(scene: bpy.types.Scene) -> tuple[Any, ...]:
         rows.append((e.uid, e.enabled, e.start, e.end, e.basis, e.closed, e.kerf, e.grip, e.label, points, target))
         if e.kind == "SUTURE_RUN":
             layers = tuple((each.name, each.depth, each.between) for each in e.layers)
-            corners = tuple((corner.first, corner.second) for corner in e.corners)
+            corners = (run_corners(e), run_insides(e))
             rows.append((e.second_from, e.spacing, e.margin, e.bite, e.pattern, e.pass_depth, layers, corners))
     lines = tuple((line.basis, event_points(line).tobytes()) for line in scene.lappet.skin_lines)
     vessels = tuple((each.kind, each.basis, event_points(each).tobytes()) for each in scene.lappet.vessels)

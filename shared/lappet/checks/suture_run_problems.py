@@ -18,8 +18,8 @@ from lappet.tissue.rest_space import RestSpace
 from lappet.tissue.skin_sheet import SkinSheet
 
 # Lengths of the edges of a run, the longer by the shorter, above which it is warned. Chosen: the most unequal edges of
-# the flap library, those of a V–Y, a Y–V and a dorsal nasal flap, are 1.45 times each other.
-UNEQUAL = 1.5
+# the flap library, those of a V–Y, a Y–V and a dorsal nasal flap, are 1.45 times each other, on a face 1.6 and 2.
+UNEQUAL = 2.0
 OFF_SKIN = 0.5  # lattice spacings from the skin to an edge, at most, as of anchors (chosen)
 _NAMES = ("first", "second")
 _SAME = 1e-3  # mm between lines that are one
@@ -112,12 +112,12 @@ class RunCheck:
 
     def _distances(self) -> None:
         first, second = self.run.lengths
-        spacing, margin, shorter = self.run.spacing, self.run.margin, min(first, second)
-        if not (math.isfinite(spacing) and 0.0 < spacing <= shorter):
+        spacing, margin, mean = self.run.spacing, self.run.margin, 0.5 * (first + second)
+        if not (math.isfinite(spacing) and 0.0 < spacing <= mean):
             self._add(ProblemCode.SUTURE_RUN_SPACING, f"{spacing:g}", first=first, second=second)
-        if margin is not None and not (math.isfinite(margin) and 0.0 <= margin < 0.5 * shorter):
+        if margin is not None and not (math.isfinite(margin) and 0.0 <= margin < 0.5 * mean):
             self._add(ProblemCode.SUTURE_RUN_MARGIN, f"{margin:g}", first=first, second=second)
-        ratio = max(first, second) / shorter
+        ratio = max(first, second) / min(first, second)
         if ratio > UNEQUAL:
             where = Place.at(self.run.edges[0][-1], self.run.edges[1][-1])
             code = ProblemCode.SUTURE_RUN_UNEQUAL
@@ -133,6 +133,10 @@ class RunCheck:
                 self._add(ProblemCode.SUTURE_RUN_CORNER, corner, first=counts[0], second=counts[1])
                 return
             before = corner
+        if self.run.insides and (
+            len(self.run.insides) != len(self.run.corners) or not np.isfinite(np.array(self.run.insides)).all()
+        ):
+            self._add(ProblemCode.SUTURE_RUN_INSIDES, len(self.run.insides), corners=len(self.run.corners))
 
     def _apart(self) -> None:
         first, second = (np.array(edge) for edge in self.run.edges)

@@ -143,6 +143,7 @@ def show_design(
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure with the operation (.usda or .usdc).")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Where it lies on the skin, in mm.")
 @click.option("--landmark", help="Where it lies: the label of a landmark.")
+@click.option("--defect", help="What it closes: a closed incision or an outline of landmarks; sets place and lengths.")
 @click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its direction along the skin.")
 @click.option("--lines", type=click.Choice(["along", "across"]), help="Its direction, by the lines of the skin.")
 @click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the design; may be repeated.")
@@ -159,6 +160,7 @@ def add(
     output: Path,
     at: tuple[float, float, float] | None,
     landmark: str | None,
+    defect: str | None,
     direction: tuple[float, float, float] | None,
     lines: str | None,
     measures: tuple[tuple[str, float], ...],
@@ -171,20 +173,12 @@ def add(
 
     Cuts, excision, undermining, hooks that carry the flap, rows of sutures and landmarks, in the order of a surgeon.
     """
-    if at is not None and landmark is not None:
-        raise click.UsageError("Give --at or --landmark, not both.")
-    if direction is not None and lines is not None:
-        raise click.UsageError("Give --direction or --lines, not both.")
-    placed = at is not None or landmark is not None
-    directed = direction is not None or lines is not None
-    if procedure is None and (placed or directed or start is not None):
-        raise click.UsageError("--at, --landmark, --direction, --lines and --start need a PROCEDURE.")
-    if procedure is not None and not (placed and directed):
-        raise click.UsageError("Say where it lies (--at or --landmark) and how (--direction or --lines).")
+    _require_whole(procedure, (at, landmark, defect), (direction, lines), start)
     with sentences(context):
         from dataclasses import replace
 
         from lappet.checks.narrow_flaps import narrow_flaps
+        from lappet.designs.fitted_design import fit_to_defect, lengths_of, marked_defect, without_drawn
         from lappet.designs.library_operation import (
             SPACING,
             add_flap,
@@ -200,10 +194,32 @@ def add(
             given = read_procedure(procedure, limits=limits)
             if spacing is not None:
                 given = replace(given, tissue=replace(given.tissue, spacing=spacing))
-            place = at or landmark_place(given, str(landmark))
+            outline = None if defect is None else marked_defect(given, defect)
+            place: ArrayLike = at or (landmark_place(given, str(landmark)) if outline is None else outline.mean(axis=0))
             way: ArrayLike = direction or skin_line_direction(given, place, across=lines == "across")
-            made = add_flap(given, name, place, way, dict(measures), mirrored=mirrored, start=start)
+            values = dict(measures)
+            if outline is not None and defect is not None:
+                fitted = fit_to_defect(given.tissue, name, outline, way, values, mirrored=mirrored)
+                place, values = fitted.at, fitted.values
+                given = without_drawn(given, defect)
+                click.echo("Lengths: " + ", ".join(lengths_of(name, values)))
+            made = add_flap(given, name, place, way, values, mirrored=mirrored, start=start)
         write_procedure(made, output)
         click.echo(f"Written: {output}")
         for found in narrow_flaps(made, set()):
             click.echo(f"{found.severity}: {found}", err=True)
+
+
+def _require_whole(
+    procedure: Path | None, places: tuple[object, ...], directions: tuple[object, ...], start: float | None
+) -> None:
+    """Refuse a place or a direction that is given twice, or not at all where there is a procedure."""
+    placed, directed = (sum(each is not None for each in some) for some in (places, directions))
+    if placed > 1:
+        raise click.UsageError("Give one of --at, --landmark and --defect.")
+    if directed > 1:
+        raise click.UsageError("Give --direction or --lines, not both.")
+    if procedure is None and (placed or directed or start is not None):
+        raise click.UsageError("--at, --landmark, --defect, --direction, --lines and --start need a PROCEDURE.")
+    if procedure is not None and not (placed and directed):
+        raise click.UsageError("Say where it lies (--at, --landmark or --defect) and how (--direction or --lines).")

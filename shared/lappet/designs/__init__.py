@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lappet.designs.fitted_design import Fitted, fit_to_defect
 from lappet.designs.flap_design import Carry, Edge, Excised, FlapDesign
 from lappet.designs.fusiform_design import Fusiform, fusiform
 from lappet.designs.geodesic_drape import draped_on
@@ -19,6 +20,7 @@ __all__ = [
     "Carry",
     "Edge",
     "Excised",
+    "Fitted",
     "FlapDesign",
     "Fusiform",
     "Row",
@@ -29,6 +31,7 @@ __all__ = [
     "draped_on",
     "dual_s_plasty",
     "dufourmentel",
+    "fit_to_defect",
     "flap_on_patch",
     "flap_on_skin",
     "flap_operation",

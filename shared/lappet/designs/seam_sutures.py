@@ -6,8 +6,9 @@ Seams that follow each other round corners that meet are one run: those of a fla
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,17 +58,25 @@ def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique)
     return found
 
 
+class _Meeting(NamedTuple):
+    """Numbers of points of both edges that meet in a corner, and points toward which its tissue lies."""
+
+    first: int
+    second: int
+    insides: tuple[Point, Point]
+
+
 @dataclass(frozen=True)
 class _Chain:
     """Seams in a row: their edges from end to end, and where corners that meet lie on them.
 
-    seams: their names. edges: points of both. sides: where their tissue lies. corners: numbers of points that meet.
+    seams: their names. edges: points of both. sides: where their tissue lies. corners: what meets on them.
     """
 
     seams: tuple[str, ...]
     edges: tuple[tuple[Point, ...], tuple[Point, ...]]
     sides: tuple[int, int]
-    corners: tuple[tuple[int, int], ...] = ()
+    corners: tuple[_Meeting, ...] = ()
 
     @classmethod
     def of(cls, seam: Seam) -> _Chain:
@@ -77,21 +86,27 @@ class _Chain:
     def turned(self) -> _Chain:
         """The same from end to start."""
         first, second = self.edges
-        corners = tuple((len(first) - 1 - one, len(second) - 1 - other) for one, other in reversed(self.corners))
+        corners = tuple(
+            _Meeting(len(first) - 1 - each.first, len(second) - 1 - each.second, each.insides)
+            for each in reversed(self.corners)
+        )
         return _Chain(self.seams[::-1], (first[::-1], second[::-1]), (-self.sides[0], -self.sides[1]), corners)
 
     def swapped(self) -> _Chain:
         """The same with the other edge first."""
         first, second = self.edges
-        corners = tuple((other, one) for one, other in self.corners)
+        corners = tuple(_Meeting(each.second, each.first, each.insides[::-1]) for each in self.corners)
         return _Chain(self.seams, (second, first), (self.sides[1], self.sides[0]), corners)
 
-    def ends_in(self, corner: Corner) -> bool:
-        """Whether the edges end in the two corners."""
-        ends, pair = (self.edges[0][-1], self.edges[1][-1]), (corner.flap.point, corner.wound.point)
-        return _same(ends, pair) or _same(ends, pair[::-1])
+    def meeting_at_end(self, corner: Corner) -> _Meeting | None:
+        """What meets at the end of the edges, where it is the two corners; else None."""
+        ends, pair = (self.edges[0][-1], self.edges[1][-1]), (corner.flap, corner.wound)
+        for one, other in (pair, pair[::-1]):
+            if _same(ends, (one.point, other.point)):
+                return _Meeting(len(self.edges[0]) - 1, len(self.edges[1]) - 1, (one.towards, other.towards))
+        return None
 
-    def then(self, other: _Chain) -> _Chain | None:
+    def then(self, other: _Chain, meeting: _Meeting) -> _Chain | None:
         """The chain of this one and another one that goes on where it ends on both edges; None where it does not."""
         if (other.edges[0][0], other.edges[1][0]) == (self.edges[0][0], self.edges[1][0]):
             return None
@@ -99,10 +114,11 @@ class _Chain:
             return None
         if not _same((self.edges[0][-1], self.edges[1][-1]), (other.edges[0][0], other.edges[1][0])):
             return None
-        shift = len(self.edges[0]) - 1, len(self.edges[1]) - 1
-        further = tuple((one + shift[0], two + shift[1]) for one, two in other.corners)
+        further = tuple(
+            _Meeting(each.first + meeting.first, each.second + meeting.second, each.insides) for each in other.corners
+        )
         edges = (*self.edges[0], *other.edges[0][1:]), (*self.edges[1], *other.edges[1][1:])
-        return _Chain((*self.seams, *other.seams), edges, self.sides, (*self.corners, shift, *further))
+        return _Chain((*self.seams, *other.seams), edges, self.sides, (*self.corners, meeting, *further))
 
 
 def suture_runs(design: FlapDesign, when: Schedule, how: Technique) -> list[SutureRun]:
@@ -128,18 +144,20 @@ def suture_runs(design: FlapDesign, when: Schedule, how: Technique) -> list[Sutu
     runs = []
     for name, chain in zip(names, chains, strict=True):
         start, to = _closing(chain.seams[0], when)
+        size = 0.5 * sum(polyline_length(edge) for edge in chain.edges)
         runs.append(
             SutureRun(
                 f"suture_{name}",
                 chain.edges,
                 start,
                 chain.sides,
-                chain.corners,
+                tuple((each.first, each.second) for each in chain.corners),
                 to - start,
-                how.apart,
-                how.margin,
+                min(how.apart, size),
+                min(how.margin, 0.45 * size),
                 0.5 * how.kerf + 0.01,
                 layers,
+                insides=tuple(each.insides for each in chain.corners),
             )
         )
     return runs
@@ -157,12 +175,12 @@ def _chains(design: FlapDesign) -> list[_Chain]:
     found = []
     for chain in chains:
         for corner in list(left):
-            last = len(chain.edges[0]) - 1, len(chain.edges[1]) - 1
-            if chain.ends_in(corner):
-                chain = _Chain(chain.seams, chain.edges, chain.sides, (*chain.corners, last))
+            last, first = chain.meeting_at_end(corner), chain.turned().meeting_at_end(corner)
+            if last is not None:
+                chain = replace(chain, corners=(*chain.corners, last))
                 left.remove(corner)
-            elif chain.turned().ends_in(corner):
-                chain = _Chain(chain.seams, chain.edges, chain.sides, ((0, 0), *chain.corners))
+            elif first is not None:
+                chain = replace(chain, corners=(_Meeting(0, 0, first.insides), *chain.corners))
                 left.remove(corner)
         found.append(chain)
     return found
@@ -172,13 +190,14 @@ def _join(chains: Sequence[_Chain], corner: Corner) -> list[_Chain] | None:
     """The chains with two joined that go on into each other in a corner; None where none do."""
     for i, one in enumerate(chains):
         for before in (one, one.turned()):
-            if not before.ends_in(corner):
+            meeting = before.meeting_at_end(corner)
+            if meeting is None:
                 continue
             for j, two in enumerate(chains):
                 if i == j or _is_donor(one.seams[0]) != _is_donor(two.seams[0]):
                     continue
                 for after in (two, two.turned(), two.swapped(), two.turned().swapped()):
-                    whole = before.then(after)
+                    whole = before.then(after, meeting)
                     if whole is not None:
                         low, high = sorted((i, j))
                         return [*chains[:low], whole, *chains[low + 1 : high], *chains[high + 1 :]]
@@ -249,7 +268,23 @@ def edge_length(edge: Edge) -> float:
     float
         Its length in mm.
     """
-    return float(sum(np.linalg.norm(np.subtract(b, a)) for a, b in pairwise(edge.points)))
+    return polyline_length(edge.points)
+
+
+def polyline_length(points: Sequence[Point]) -> float:
+    """Measure a polyline.
+
+    Parameters
+    ----------
+    points
+        Its points in mm.
+
+    Returns
+    -------
+    float
+        Its length in mm.
+    """
+    return float(sum(np.linalg.norm(np.subtract(b, a)) for a, b in pairwise(points)))
 
 
 def _stations(length: float, how: Technique, row: Row) -> NDArray[np.float64]:

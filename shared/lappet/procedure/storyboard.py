@@ -78,8 +78,9 @@ def inspection(
     lattice: Sequence[str] = (),
     notes: Sequence[str] = (),
     costs: Mapping[str, str] | None = None,
+    runs: Sequence[str] = (),
 ) -> str:
-    """Compose what `lappet inspect` prints: storyboard, epochs, scene profile, lattice counts, notes.
+    """Compose what `lappet inspect` prints: storyboard, epochs, suture runs, scene profile, lattice counts, notes.
 
     Parameters
     ----------
@@ -93,6 +94,8 @@ def inspection(
         Further lines.
     costs
         What features cost, as text by name.
+    runs
+        A line for each suture run.
 
     Returns
     -------
@@ -102,6 +105,7 @@ def inspection(
     parts = [storyboard(procedure)]
     for title, lines in (
         ("Epochs", epochs),
+        ("Suture runs", runs),
         ("Scene profile", profile_lines(procedure, costs)),
         ("Lattice", lattice),
         ("Notes", notes),

@@ -113,6 +113,9 @@ class SutureRun:
         Tension in mN with which threads are drawn at most, or 0 for as much as it takes.
     pull_through
         Tension in mN at which a thread cuts through the tissue; 0 for what the thread has.
+    insides
+        For each corner a point in mm toward which its tissue lies beside the first edge, and one beside the second,
+        kept in single precision; none: where the edges halve it.
     """
 
     kind: ClassVar[str] = "SutureRun"
@@ -135,12 +138,16 @@ class SutureRun:
     drawn: float = DRAWN
     tension: float = 0.0
     pull_through: float = 0.0
+    insides: tuple[tuple[Point, Point], ...] = ()
 
     def __post_init__(self) -> None:
         first, second = (single_points(edge) for edge in self.edges)
         corners = tuple((int(one), int(other)) for one, other in self.corners)
         sides = (int(self.sides[0]), int(self.sides[1]))
-        set_fields(self, edges=(first, second), corners=corners, sides=sides, layers=tuple(self.layers))
+        insides = tuple((pair[0], pair[1]) for pair in (single_points(each) for each in self.insides))
+        set_fields(
+            self, edges=(first, second), corners=corners, sides=sides, layers=tuple(self.layers), insides=insides
+        )
 
     @property
     def lengths(self) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lappet.procedure import SutureLayer, SutureRun
 from lappet.procedure.suture_run import BESIDE
-from lappet.suturing.lip_pair import DRIFT, LipPair, in_corner, on_edge
+from lappet.suturing.lip_pair import DRIFT, LipPair, LipPlace, in_corner, on_edge
 from lappet.tissue.skin_sheet import SkinSheet
 
 # Stitches nearer to each other than this, in cells of the lattice, hold the same cells and contradict each other.
@@ -91,29 +91,38 @@ def sites(run: SutureRun, layer: SutureLayer, skin: SkinSheet, spacing: float) -
         Where they lie.
     """
     stretches = _stretches(run)
-    edges = tuple(np.array(edge, np.float64) for edge in run.edges)
-    corners = dict(run.corners)
     found: list[tuple[LipPair, int | None]] = []
     knot = (0, 0)
     for stretch in stretches:
-        # A stitch in a corner at the end of the edges lies a little before it, beside the edge like the others.
         if knot == (0, 0) and stretch.corners[0]:
-            found.append((_near_end(run, stretch, layer, skin, 0), 0))
+            found.append((_corner(run, knot, stretch, layer, skin), 0))
         for at in _stations(run, stretch, layer, spacing):
             share = at / stretch.length
             lips = on_edge(stretch.points[0], share), on_edge(stretch.points[1], share)
             found.append((LipPair(lips, run.sides, skin, stretch.reached + at), None))
         knot = (knot[0] + len(stretch.points[0]) - 1, knot[1] + len(stretch.points[1]) - 1)
-        if corners.get(knot[0]) != knot[1]:
-            continue
-        reached = stretch.reached + stretch.length
-        if knot[0] == len(edges[0]) - 1 or knot[1] == len(edges[1]) - 1:
-            found.append((_near_end(run, stretch, layer, skin, 1), 0))
-        else:
-            first, second = (in_corner(edges[k], knot[k], run.sides[k], skin) for k in (0, 1))
-            found.append((LipPair((first, second), run.sides, skin, reached), 0))
+        if stretch.corners[1]:
+            found.append((_corner(run, knot, stretch, layer, skin), 0))
     levels = _levels(run.order, [level is not None for _, level in found])
     return [Site(pair, level) for (pair, _), level in zip(found, levels, strict=True)]
+
+
+def _corner(run: SutureRun, knot: tuple[int, int], stretch: _Stretch, layer: SutureLayer, skin: SkinSheet) -> LipPair:
+    """The places of a stitch in a corner, at an end of a stretch."""
+    edges = [np.array(edge, np.float64) for edge in run.edges]
+    at_start, at_end = knot == (0, 0), knot == (len(edges[0]) - 1, len(edges[1]) - 1)
+    reached = stretch.reached + (0.0 if at_start else stretch.length)
+    if run.insides:
+        inside = np.array(run.insides[run.corners.index(knot)])
+        spots = [edge[number] for edge, number in zip(edges, knot, strict=True)]
+        ways = [points[1] - points[0] if at_start else points[-1] - points[-2] for points in stretch.points]
+        first, second = (LipPlace(spots[k], ways[k], inside[k] - spots[k]) for k in (0, 1))
+    elif at_start or at_end:
+        # A stitch in a corner at the end of the edges lies a little before it, beside the edge like the others.
+        return _near_end(run, stretch, layer, skin, int(at_end))
+    else:
+        first, second = (in_corner(edges[k], knot[k], run.sides[k], skin) for k in (0, 1))
+    return LipPair((first, second), run.sides, skin, reached)
 
 
 def _near_end(run: SutureRun, stretch: _Stretch, layer: SutureLayer, skin: SkinSheet, end: int) -> LipPair:

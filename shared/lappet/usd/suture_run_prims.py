@@ -52,6 +52,9 @@ def write_run(values: Values, usd: Any, run: SutureRun) -> None:
     values.author("sides", types.IntArray, usd.Vt.IntArray(list(run.sides)))
     if run.corners:
         values.author("corners", types.IntArray, usd.Vt.IntArray([number for pair in run.corners for number in pair]))
+    if run.insides:
+        points = [usd.Gf.Vec3f(*point) for pair in run.insides for point in pair]
+        values.author("insides", types.Point3fArray, usd.Vt.Vec3fArray(points))
     values.double("start", run.start)
     values.double("duration", run.duration)
     values.double("spacing", run.spacing)
@@ -123,6 +126,7 @@ def read_run(reader: Reader, prim: Any) -> SutureRun:
         number("drawn", SutureRun.drawn),
         number("tension", SutureRun.tension),
         number("pullThrough", SutureRun.pull_through),
+        _insides(reader, prim),
     )
 
 
@@ -149,6 +153,16 @@ def _corners(reader: Reader, prim: Any) -> tuple[tuple[int, int], ...]:
         reader.problem(ProblemCode.SUTURE_RUN_CORNERS, prim.GetPath(), numbers)
         return ()
     return tuple(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def _insides(reader: Reader, prim: Any) -> tuple[tuple[Point, Point], ...]:
+    if not prim.GetAttribute("lappet:insides").HasAuthoredValue():
+        return ()
+    points = [(float(x), float(y), float(z)) for x, y, z in reader.placed(reader.vectors(prim, "lappet:insides"), prim)]
+    if len(points) % 2:
+        reader.problem(ProblemCode.SUTURE_RUN_CORNERS, prim.GetPath(), f"{len(points)} places")
+        return ()
+    return tuple(zip(points[::2], points[1::2], strict=True))
 
 
 def _layers(reader: Reader, prim: Any) -> tuple[SutureLayer, ...]:

@@ -23,20 +23,25 @@ lappet flap show bilobed --picture plan.svg          # its plan as a line drawin
 lappet flap add limberg -o flap.usda                 # on a flat patch of its own
 lappet flap add bilobed face.usda -o flap.usda --at 2 -10 -14 --direction 0 0 1 --set diameter=8
 lappet flap add fusiform face.usda -o flap.usda --landmark lesion --lines along
+lappet flap add limberg face.usda -o flap.usda --defect lesion --lines across  # as large as what is drawn
 ```
 
 `add` writes the whole operation: cuts, excision, undermining, hooks that carry the flap, three rows of sutures (deep,
 dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add > Lappet > Flap*, or *Flap Library* in
 the timeline's panel. A design is laid on
 curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
-skin, it is refused with the place and the share that fits. In Python:
+skin, it is refused with the place and the share that fits. With `--defect`, the name of a closed incision or of a
+landmark of three points or more, the design lies where that is, as the smallest of its shape whose excision holds it,
+and its own excision takes the drawn one's place. In Python:
 
 ```python
-from lappet.designs import DESIGNS, flap_on_patch
+from lappet.designs import DESIGNS, fit_to_defect, flap_on_patch
 
 print(*DESIGNS)
 procedure = flap_on_patch("bilobed", {"diameter": 10.0})
 print(procedure)
+fitted = fit_to_defect(procedure.tissue, "limberg", [(0, 0, 4), (9, 0, 4), (9, 6, 4), (0, 6, 4)], (1, 0, 0))
+print(fitted.at, fitted.values)
 ```
 
 Drawings and steps follow the sources given. The numbers are the program's own for its default skin, with their
