@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from event_patch import co, patch_scene
+from lappet.core.problem import problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import SutureLayer, SutureRun
 from lappet.suturing import with_single_sutures
@@ -15,6 +16,8 @@ from lappet_blender.model.changes import subscribe, unsubscribe
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import add_value, event_value
 from lappet_blender.model.scene_procedure import read_scene
+from lappet_blender.solving.select_problem import problem_event
+from lappet_blender.tools.handles import handles_of
 from refusals import refusal_code
 
 TOP = 4.0
@@ -173,3 +176,19 @@ def test_a_running_suture_of_the_tool_is_a_pattern_of_the_run(patch: bpy.types.S
     assert (run.pattern, run.bite, run.pass_depth, run.drawn) == ("running", 2.0, 1.0, pytest.approx(0.8))
     (thread,) = stitches_of(patch, patch.lappet.events[0])
     assert len(thread.anchors) == 3 * 4
+
+
+def test_what_is_wrong_with_a_stitch_leads_to_its_run(patch: bpy.types.Scene) -> None:
+    ops.incision_add(points=at((-10, 0), (10, 0)), time=3)
+    ops.suture_run(incision="incision_1", spacing=3.0, start=5)
+    found = problem(ProblemCode.SUTURE_PULLS_THROUGH, "/Procedure/Timeline/suture_run_1/4", "9000", time=7, limit=3440)
+    assert problem_event(patch, found) == 1
+
+
+def test_edges_that_were_clicked_have_handles_and_those_of_a_design_none(patch: bpy.types.Scene) -> None:
+    ops.suture_run(first_edge=at((-9, 1), (9, 1)), second_edge=at((-9, -1), (9, -1)), start=5)
+    own = patch.lappet.events[0].uid
+    assert len([each for each in handles_of(patch, 1.0) if each.event_uid == own]) == 4
+    ops.flap_limberg(side=8.0, lines="X", time=1)
+    runs = {event.uid for event in patch.lappet.events if event.kind == "SUTURE_RUN"}
+    assert {each.event_uid for each in handles_of(patch, 1.0)} & runs == {own}

@@ -59,6 +59,7 @@ def test_a_run_along_both_walls_of_a_cut_is_right() -> None:
         ({"layers": (SutureLayer("not a name"),)}, ProblemCode.SUTURE_RUN_LAYERS),
         ({"layers": (SutureLayer("deep", 9.0),)}, ProblemCode.SUTURE_RUN_DEPTH),
         ({"layers": (SutureLayer("deep", -1.0),)}, ProblemCode.SUTURE_RUN_NUMBER),
+        ({"pattern": "simple", "pass_depth": 9.0}, ProblemCode.SUTURE_RUN_DEPTH),
         ({"bite": -1.0}, ProblemCode.SUTURE_RUN_NUMBER),
         ({"drawn": float("inf")}, ProblemCode.SUTURE_RUN_NUMBER),
         ({"pattern": "crochet"}, ProblemCode.SUTURE_RUN_WORD),
@@ -71,6 +72,14 @@ def test_a_run_along_both_walls_of_a_cut_is_right() -> None:
 )
 def test_a_run_that_cannot_be_sewn_is_refused_with_one_problem(changes: dict[str, object], code: ProblemCode) -> None:
     assert codes(replace(RUN, **changes)) == [code]  # type: ignore[arg-type]
+
+
+def test_a_running_suture_through_too_many_places_is_refused() -> None:
+    fine = replace(PATCH, spacing=0.1)
+    run = replace(RUN, pattern="running", spacing=0.4, bite=1.0)
+    procedure = Procedure(fine, events=(Incision("cut", 2.0, CUT), run), end_time=9.0)
+    found = [each.code for each in check(procedure) if each.prim.endswith("/run")]
+    assert found == [ProblemCode.SUTURE_BITES]
 
 
 def test_very_unequal_edges_are_warned_of_and_nearly_equal_ones_not() -> None:

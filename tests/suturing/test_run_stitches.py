@@ -10,6 +10,8 @@ import pytest
 
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Incision, Procedure, Suture, SutureLayer, SutureRun
+from lappet.procedure.edits import add_event, replace_event, retime_event
+from lappet.procedure.history import History
 from lappet.suturing import run_stitches, with_single_sutures
 from lappet.suturing.single_sutures import skin_of
 from lappet.tissue.dome import dome_scalp
@@ -151,3 +153,16 @@ def test_a_procedure_gets_the_stitches_in_the_place_of_its_run() -> None:
     single = with_single_sutures(procedure)
     assert [event.name for event in single.events] == ["cut", *(f"run/{k}" for k in range(1, 11)), "stitch"]
     assert with_single_sutures(single) is single
+
+
+def test_a_run_is_edited_moved_in_time_and_undone_like_any_event() -> None:
+    history = History(Procedure(PATCH, events=(RUN,), end_time=12.0))
+    history.do(retime_event("run", 2.0))
+    moved = history.procedure.event("run")
+    assert isinstance(moved, SutureRun)
+    assert (moved.start, moved.edges) == (6.0, RUN.edges)
+    history.do(replace_event("run", replace(moved, spacing=5.0)))
+    assert len(with_single_sutures(history.procedure).events) == 6
+    history.undo()
+    assert len(with_single_sutures(history.procedure).events) == 10
+    assert add_event(RUN).label == "Add sutures run"

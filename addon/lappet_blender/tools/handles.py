@@ -22,6 +22,7 @@ TARGET = -1  # the index of a handle that is the empty a hook or retractor follo
 LINE_KINDS = frozenset({"INCISION", "UNDERMINE"})
 SKIN_KINDS = LINE_KINDS | {"SUTURE_RUN"}  # whose points lie on the skin
 _GONE = 2.0
+_MOST_OF_RUN = 10  # points of a suture run that have handles: of edges that a design drew, nobody moves single ones
 Project = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -70,7 +71,7 @@ def event_points(event: LappetEvent | LappetSkinLine | LappetVessel) -> NDArray[
 
 def _point_handles(event: LappetEvent, surface: ShownSurface) -> list[Handle]:
     rest = event_points(event)
-    if len(rest) == 0:
+    if len(rest) == 0 or (event.kind == "SUTURE_RUN" and len(rest) > _MOST_OF_RUN):
         return []
     located = surface.rest.locate(rest, skin_only=event.kind in SKIN_KINDS)
     off = np.linalg.norm(surface.rest.at(located) - rest, axis=1)

@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from lappet.checks.suture_run_problems import RunCheck
+from lappet.checks.suture_run_problems import MOST_BITES, RunCheck
 from lappet.core.problem import Place, Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
@@ -38,9 +38,6 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 # In lattice spacings: how far outside the tissue an anchor may be, and how far it is moved without a word (chosen).
 OFF_TISSUE, UNSAID = 0.5, 0.01
-
-# Bites of one thread that the daemon takes.
-MOST_BITES = 256
 
 
 class EventCheck:

@@ -20,6 +20,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 # Lengths of the edges of a run, the longer by the shorter, above which it is warned. Chosen: the most unequal edges of
 # the flap library, those of a V–Y, a Y–V and a dorsal nasal flap, are 1.45 times each other, on a face 1.6 and 2.
 UNEQUAL = 2.0
+MOST_BITES = 256  # of one thread that the daemon takes
 OFF_SKIN = 0.5  # lattice spacings from the skin to an edge, at most, as of anchors (chosen)
 _NAMES = ("first", "second")
 _SAME = 1e-3  # mm between lines that are one
@@ -169,11 +170,14 @@ class RunCheck:
         for layer in self.run.layers:
             prefix = self.run.name if len(self.run.layers) == 1 else f"{self.run.name}/{layer.name}"
             own = [suture for suture in made.sutures if suture.name.rpartition("/")[0] == prefix]
+            bites = max(len(suture.anchors) for suture in own)
+            if bites > MOST_BITES:
+                self._add(ProblemCode.SUTURE_BITES, bites, Place.at(*self.run.edges[0]), most=MOST_BITES)
             points = np.array([anchor for suture in own for anchor in suture.anchors])
             off = np.asarray(rest.outside(points))
             worst = int(np.argmax(off))
             if off[worst] > OFF_SKIN * spacing:
-                code, depth = ProblemCode.SUTURE_RUN_DEPTH, f"{layer.depth:g}"
+                code, depth = ProblemCode.SUTURE_RUN_DEPTH, f"{layer.depth or self.run.pass_depth:g}"
                 self._add(code, depth, Place.at(points[worst]), name=layer.name, off=float(off[worst]))
 
 
