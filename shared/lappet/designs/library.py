@@ -15,7 +15,6 @@ from lappet.designs.double_keystone_flap import KEYSTONE_III
 from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
 from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
-from lappet.designs.island_v_y_flap import ISLAND_V_Y
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
 from lappet.designs.multiple_rhombic_flaps import DOUBLE_RHOMBIC, TRIPLE_RHOMBIC
@@ -70,7 +69,6 @@ DESIGNS = {
         CRESCENTIC,
         V_Y_PLASTY,
         Y_V_PLASTY,
-        ISLAND_V_Y,
         KEYSTONE,
         KEYSTONE_III,
     )

@@ -1,7 +1,7 @@
 """The round excision, as by a punch, with repair of its dog-ears: closed in the middle first, trimmed, then closed.
 
 In the design's plane the circle lies about the origin and the scar along x. Its middle is closed first; what then
-stands up at either end, from 55° above the scar to as much below, is cut out to the scar's tip and closed.
+stands up at either end, from 40° above the scar to as much below, is cut out to the scar's tip and closed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from lappet.designs.flat_curves import NICK, arc, segment
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
-FROM = 55.0  # degrees above and below the scar at which the dog-ears begin
+FROM = 40.0  # degrees above and below the scar at which the dog-ears begin
 _STEP = 0.5  # mm from point to point of the circle
 
 
@@ -95,7 +95,7 @@ ROUND_EXCISION = LibraryDesign(
     "Round excision with repair of its dog-ears",
     "A lesion taken out by a punch or in a circle: no more skin goes than stands up once the wound is closed.",
     (
-        Parameter("diameter", "diameter of the circle", "mm", 10.0, 3.0, 50.0, "that of the lesion with its margin"),
+        Parameter("diameter", "diameter of the circle", "mm", 14.0, 3.0, 50.0, "that of the lesion with its margin"),
         Parameter("length", "length of the scar, in diameters", "", 2.6, 1.6, 4.0, _REPAIR),
     ),
     round_excision,
