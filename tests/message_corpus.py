@@ -120,6 +120,7 @@ def everything_epoch_arrays() -> dict[str, NDArray[Any]]:
         fixed=fixed,
         support=support,
         grip=grip,
+        walls=(support == 0).astype(np.uint8),
         fixed_parts=np.where(fixed, 0, -1).astype(np.int32),
         roller_faces=rollers,
         roller_normals=np.array([[1.0, 0.0, 0.0]]),

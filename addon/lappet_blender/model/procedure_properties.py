@@ -258,6 +258,11 @@ class LappetSolving(bpy.types.PropertyGroup):
         max=0.1,
         precision=6,
     )
+    self_contact: flag(
+        name="Self-contact",
+        description="Keep tissue from passing through tissue. Takes longer, and frames may fail that solve without",
+        default=SolverSettings.self_contact,
+    )
     error_estimate: BoolProperty(
         name="Estimate the Error",
         description="Solve once more on a lattice of twice the spacing, to tell how far the skin may be off and where",

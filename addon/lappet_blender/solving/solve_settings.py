@@ -22,6 +22,7 @@ def solve_settings(scene: bpy.types.Scene) -> SolverSettings:
         tolerance=decimal(solving.tolerance),
         quadrature=int(solving.quadrature),
         precision=solving.precision,
+        self_contact=solving.self_contact,
         threads=solving.threads,
         correction=solving.error_estimate,  # which the estimate needs, and so asks for it
     )

@@ -92,6 +92,8 @@ class Boundary:
 
     Parameters
     ----------
+    walls
+        Which triangles are walls of wounds, shape (m,), bool; without entries: none needs to be known.
     fixed_parts
         Part of the fixed faces that each triangle is of, -1 for none, shape (m,), int32; without entries: they are one.
     rollers
@@ -108,6 +110,7 @@ class Boundary:
         Its normal, of any length, shape (S, 3), float64.
     """
 
+    walls: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
     fixed_parts: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     rollers: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     roller_normals: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))

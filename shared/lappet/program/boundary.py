@@ -55,6 +55,25 @@ def with_boundaries(
     ]
 
 
+def with_walls(epochs: Sequence[Epoch]) -> list[Epoch]:
+    """Say which faces are walls of wounds: with self-contact sutures bring these together, not points behind them.
+
+    Parameters
+    ----------
+    epochs
+        The epochs.
+
+    Returns
+    -------
+    list[Epoch]
+        The epochs with walls in their boundaries.
+    """
+    return [
+        replace(epoch, boundary=replace(epoch.boundary, walls=epoch.surface.origin == FaceOrigin.WOUND_WALL))
+        for epoch in epochs
+    ]
+
+
 def boundary_of(epoch: Epoch, tissue: Tissue, parts: FixedParts, events: TimedEvents, own: Sequence[float]) -> Boundary:
     """Find what the faces of an epoch are.
 

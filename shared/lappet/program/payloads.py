@@ -121,6 +121,8 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
 
 def _boundary(boundary: Boundary) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
+    if len(boundary.walls):
+        arrays["walls"] = np.asarray(boundary.walls, np.uint8)
     if len(boundary.fixed_parts):
         arrays["fixed_parts"] = np.asarray(boundary.fixed_parts, np.int32)
     if len(boundary.rollers):

@@ -25,6 +25,8 @@ constexpr std::array<std::pair<double, double>, 4> kGauss{{{0.06943184420297371,
                                                            {0.66999052179242813, 0.32607257743127307},
                                                            {0.93056815579702629, 0.17392742256872692}}};
 constexpr int kAzimuths = 16;
+// Under a ridge of a wall the foot of an anchor may miss the triangles on both sides: by how many radii at most.
+constexpr double kBeside = 0.2;
 constexpr double kOneFace = 0.9;  // cosine between normals of triangles that count as one face
 
 // Where the segment from `from` along `way` crosses a triangle, as a fraction of it; infinity where it does not.
@@ -40,6 +42,22 @@ double crossing(const Vec3& from, const Vec3& way, const Wall& wall) {
   const double u = bb * oa - ab * ob, v = aa * ob - ab * oa;
   const double rounding = -1e-9 * area;  // rays do not slip through between two triangles
   return u >= rounding && v >= rounding && u + v <= area - rounding ? t : kNone;
+}
+
+// How far the foot of a point on the plane of a triangle lies outside the triangle.
+template <class Wall>
+double beside(const Vec3& from, const Wall& wall) {
+  const std::array<Vec3, 3> corners{wall.corner, wall.corner + wall.first, wall.corner + wall.second};
+  const Vec3 foot = from - (from - wall.corner).dot(wall.normal) * wall.normal;
+  double least = std::numeric_limits<double>::infinity();
+  bool inside = true;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 edge = corners[(k + 1) % 3] - corners[k], off = foot - corners[k];
+    inside = inside && edge.cross(off).dot(wall.normal) >= 0.0;
+    const double along = std::clamp(off.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (off - along * edge).norm());
+  }
+  return inside ? 0.0 : least;
 }
 
 template <class Walls>
@@ -186,12 +204,11 @@ std::vector<AnchorStencils::Sample> AnchorStencils::seen_from(const Vec3& eye, c
 std::vector<AnchorStencils::Facing> AnchorStencils::faces_above(const Vec3& anchor) const {
   const std::vector<Wall> walls = walls_near(anchor, radius_);
   const Vec3 eye = viewpoint(anchor, walls);
-  const double sunk = kSunk * radius_;
   std::vector<Facing> found;
   for (const Wall& wall : walls) {
     const double depth = std::max((wall.corner - anchor).dot(wall.normal), 0.0);
     if ((wall.corner - eye).dot(wall.normal) < 0.0 || depth > radius_) continue;
-    if (crossing(eye, Vec3((depth + 2.0 * sunk) * wall.normal), wall) > 1.0) continue;
+    if (beside(eye, wall) > kBeside * radius_) continue;
     const auto known =
         std::ranges::find_if(found, [&](const Facing& other) { return other.normal.dot(wall.normal) > kOneFace; });
     if (known == found.end())

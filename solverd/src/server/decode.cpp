@@ -320,6 +320,7 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
     check_indices(epoch.fixed_parts, "fixed_parts", -1, count, "triangles (-1: not fixed)");
   }
   epoch.bed = arrays.read<std::uint8_t>("support", {count});
+  if (arrays.has("walls")) epoch.walls = arrays.read<std::uint8_t>("walls", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
   decode_loads_and_rollers(arrays, count, epoch);

@@ -245,6 +245,7 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   labels(epoch.fixed.size(), "fixed");
   labels(epoch.bed.size(), "bed");
   labels(epoch.grip.size(), "gripped");
+  if (!epoch.walls.empty()) labels(epoch.walls.size(), "walls of wounds");
   if (!epoch.fixed_parts.empty()) {
     labels(epoch.fixed_parts.size(), "parts of the fixed faces");
     for (std::size_t t = 0; t < epoch.fixed.size(); ++t)

@@ -51,6 +51,7 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
                                std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground,
                                const Interrupt& interrupt)
     : surface(epoch.surface),
+      walls(epoch.walls),
       box(box_around(surface)),
       lattice(build_lattice(surface, lattice_settings(settings), interrupt)),
       loaded(loaded_faces(epoch, lattice, surface, interrupt)),
@@ -61,7 +62,7 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
              settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity,
              interrupt),
       preconditioner(system, kChebyshevDegree),
-      constraints(settings, lattice, surface, loaded, system) {
+      constraints(settings, lattice, surface, walls, loaded, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings, interrupt));
   if (settings.self_contact)
     system.set_self_contact(

@@ -24,6 +24,7 @@ struct EpochSystem {
   EpochReport report(bool with_nodes) const;
 
   Surface surface;
+  std::vector<std::uint8_t> walls;  // of wounds, per triangle; empty: none
   Box3 box;  // around it
   Lattice lattice;
   LoadedFacesByIndex loaded;

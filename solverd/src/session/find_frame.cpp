@@ -69,7 +69,7 @@ class FrameSearch {
         frame_, settings_.materials[0].youngs_modulus, epoch_.constraints.lowest(), epoch_.constraints.highest(),
         [this](const Anchor& anchor) { return epoch_.constraints.where(anchor, before_.u); });
     if (unreachable.empty()) {
-      walk(RetrySchedule(valid_ && moved_, settings_.max_newton));
+      walk(RetrySchedule(valid_ && moved_, settings_.max_newton, epoch_.system.self_contact() != nullptr));
       settle_doubt();
       if (settings_.stability && found_.outcome.converged) leave_saddles();
     } else {

@@ -13,7 +13,7 @@ namespace {
 constexpr double kSuturePenalty = 50.0;
 // A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
 constexpr double kMaxPenalty = 1000.0;
-// Walls face each other from this cosine between their normals on.
+// Faces face each other from this cosine between their normals on.
 constexpr double kFacing = -0.3;
 
 // How far a thread was drawn if it were as long as its ends are apart now.
@@ -43,10 +43,12 @@ std::vector<LoadState> between(const std::vector<LoadState>& from, const std::ve
 
 template <class Real>
 FrameConstraints<Real>::FrameConstraints(const SessionSettings& settings, const Lattice& lattice,
-                                         const Surface& surface, const LoadedFacesByIndex& loaded, System<Real>& system)
+                                         const Surface& surface, const std::vector<std::uint8_t>& walls,
+                                         const LoadedFacesByIndex& loaded, System<Real>& system)
     : settings_(settings),
       lattice_(lattice),
       surface_(surface),
+      walls_(walls),
       loaded_(loaded),
       system_(system),
       lowest_(surface.points.front()),
@@ -101,12 +103,16 @@ template <class Real>
 const AnchorStencil& FrameConstraints<Real>::embed(const Anchor& anchor) const {
   const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
   auto found = stencils_.find(key);
-  if (found == stencils_.end()) {
-    const double radius = std::min(kStencilRadius, kStencilShare * (highest_ - lowest_).minCoeff());
-    if (!stencil_maker_) stencil_maker_.emplace(lattice_, surface_, radius);
-    found = stencils_.emplace(key, stencil_maker_->around(anchor.point, anchor.triangle)).first;
-  }
+  if (found == stencils_.end())
+    found = stencils_.emplace(key, stencil_maker().around(anchor.point, anchor.triangle)).first;
   return found->second;
+}
+
+template <class Real>
+const AnchorStencils& FrameConstraints<Real>::stencil_maker() const {
+  const double radius = std::min(kStencilRadius, kStencilShare * (highest_ - lowest_).minCoeff());
+  if (!stencil_maker_) stencil_maker_.emplace(lattice_, surface_, radius);
+  return *stencil_maker_;
 }
 
 template <class Real>
@@ -159,7 +165,7 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
   }
   for (const auto& suture : frame.sutures) {
     constraints.push_back(
-        suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)], state.u));
+        suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)]));
     constraints.back().id = id_of(suture);
   }
   return constraints;
@@ -167,13 +173,18 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
 
 // gap: how far apart its ends were when it was placed.
 template <class Real>
-PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& suture, const double* gap,
-                                                          std::span<const Real> u) const {
+PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& suture, const double* gap) const {
   const Vec3 placed(gap[0], gap[1], gap[2]);
-  const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   if (!suture.is_thread) {
     const double penalty = kSuturePenalty * settings_.materials[0].youngs_modulus * settings_.spacing;
-    return make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
+    PointConstraint closing =
+        make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
+    if (ends_between_walls(suture)) {
+      closing.walls_keep = system_.self_contact()->distance_of_walls();
+      closing.drawn = suture.closure == 1.0;
+    }
+    return closing;
   }
   Thread thread;
   thread.length = (1.0 - suture.closure) * placed.norm() + suture.closure * suture.length;
@@ -184,9 +195,8 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
 }
 
 template <class Real>
-std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const SutureState& suture,
-                                                                      std::span<const Real> u) const {
-  if (const Ends* ends = ends_between_walls(suture, u)) return {&ends->first, &ends->second};
+std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const SutureState& suture) const {
+  if (const Ends* ends = ends_between_walls(suture)) return {&ends->first, &ends->second};
   std::vector<const AnchorStencil*> stencils{&embed(suture.a)};
   for (const Anchor& anchor : suture.inner) stencils.push_back(&embed(anchor));
   stencils.push_back(&embed(suture.b));
@@ -194,46 +204,48 @@ std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const Sutu
 }
 
 template <class Real>
-const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_between_walls(const SutureState& suture,
-                                                                                        std::span<const Real> u) const {
-  const SelfContact* contact = system_.self_contact();
-  if (!contact || !suture.inner.empty()) return nullptr;
-  if (const auto known = ends_between_walls_.find(suture.index); known != ends_between_walls_.end())
-    return &known->second;
-  embed(suture.a);  // makes the maker
-  using Facing = AnchorStencils::Facing;
-  std::optional<std::pair<Facing, Facing>> nearest;
-  for (const Facing& a : stencil_maker_->faces_above(suture.a.point))
-    for (const Facing& b : stencil_maker_->faces_above(suture.b.point)) {
-      if (!(normal_now(a.triangle, u).dot(normal_now(b.triangle, u)) < kFacing)) continue;
-      if (!nearest || a.depth + b.depth < nearest->first.depth + nearest->second.depth) nearest = {a, b};
-    }
-  if (!nearest) return nullptr;
-  const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
-    const Vec3 beyond = (wall.depth + 0.5 * contact->distance_of_walls()) * wall.normal;
-    return stencil_maker_->around(anchor.point, anchor.triangle, beyond);
-  };
-  return &ends_between_walls_
-              .emplace(suture.index,
-                       Ends(out_to_middle(suture.a, nearest->first), out_to_middle(suture.b, nearest->second)))
-              .first->second;
+const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_between_walls(
+    const SutureState& suture) const {
+  if (!system_.self_contact() || !suture.inner.empty()) return nullptr;
+  auto known = ends_between_walls_.find(suture.index);
+  if (known == ends_between_walls_.end())
+    known = ends_between_walls_.emplace(suture.index, find_ends_between_walls(suture)).first;
+  return known->second ? &*known->second : nullptr;
 }
 
+// Of the walls of wounds around each anchor the nearest. Without them, as in a mesh whose lips were never cut, of all
+// faces those two that face each other at rest, the nearest first.
 template <class Real>
-Vec3 FrameConstraints<Real>::normal_now(Index triangle, std::span<const Real> u) const {
-  std::array<Vec3, 3> at;
-  for (int k = 0; k < 3; ++k) {
-    const Index v = surface_.triangles[triangle][k];
-    at[k] = surface_.points[v] + displacement(lattice_, lattice_.surface_points[v], u);
-  }
-  const Vec3 normal = (at[1] - at[0]).cross(at[2] - at[0]);
-  return normal / std::max(normal.norm(), 1e-300);
+std::optional<typename FrameConstraints<Real>::Ends> FrameConstraints<Real>::find_ends_between_walls(
+    const SutureState& suture) const {
+  using Facing = AnchorStencils::Facing;
+  std::optional<std::pair<Facing, Facing>> nearest;
+  const auto find = [&](const auto& are_pair) {
+    for (const Facing& a : stencil_maker().faces_above(suture.a.point))
+      for (const Facing& b : stencil_maker().faces_above(suture.b.point))
+        if (are_pair(a, b) && (!nearest || a.depth + b.depth < nearest->first.depth + nearest->second.depth))
+          nearest = {a, b};
+  };
+  if (!walls_.empty())
+    find([&](const Facing& a, const Facing& b) { return walls_[a.triangle] != 0 && walls_[b.triangle] != 0; });
+  if (!nearest) find([](const Facing& a, const Facing& b) { return a.normal.dot(b.normal) < kFacing; });
+  if (!nearest) return std::nullopt;
+  // Walls that are close at rest, as at the end of a cut, press on each other from half of that on only.
+  const Vec3 on_first = suture.a.point + nearest->first.depth * nearest->first.normal;
+  const Vec3 on_second = suture.b.point + nearest->second.depth * nearest->second.normal;
+  const double apart =
+      std::min(system_.self_contact()->distance_of_walls(), kShareOfRest * (on_first - on_second).norm());
+  const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
+    const Vec3 beyond = (wall.depth + 0.5 * apart) * wall.normal;
+    return stencil_maker().around(anchor.point, anchor.triangle, beyond);
+  };
+  return Ends(out_to_middle(suture.a, nearest->first), out_to_middle(suture.b, nearest->second));
 }
 
 // As SolverState keeps it.
 template <class Real>
 Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<const Real> u) const {
-  const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   if (suture.inner.empty())
     return position<Real>(lattice_, *stencils[0], u) - position<Real>(lattice_, *stencils[1], u);
   double length = 0.0;
@@ -243,9 +255,9 @@ Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<con
 }
 
 template <class Real>
-std::vector<double> FrameConstraints<Real>::shared(const SutureState& suture, std::span<const Real> u) const {
+std::vector<double> FrameConstraints<Real>::shared(const SutureState& suture) const {
   std::vector<double> found;
-  const std::vector<const AnchorStencil*> stencils = stencils_of(suture, u);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   for (std::size_t k = 0; k + 1 < stencils.size(); ++k) found.push_back(shared_hold(*stencils[k], *stencils[k + 1]));
   return found;
 }

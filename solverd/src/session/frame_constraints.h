@@ -23,8 +23,9 @@ using LoadedFacesByIndex = std::map<std::int32_t, std::shared_ptr<const LoadedFa
 template <class Real>
 class FrameConstraints {
  public:
+  // walls: per triangle, whether it is a wall of a wound; empty: none is.
   FrameConstraints(const SessionSettings& settings, const Lattice& lattice, const Surface& surface,
-                   const LoadedFacesByIndex& loaded, System<Real>& system);
+                   const std::vector<std::uint8_t>& walls, const LoadedFacesByIndex& loaded, System<Real>& system);
 
   // Sets the system's constraints, places new sutures, and begins with the multipliers that a frame carries on from the
   // one before: those of sutures and held faces.
@@ -42,7 +43,7 @@ class FrameConstraints {
 
   Vec3 where(const Anchor& anchor, std::span<const Real> u) const { return position<Real>(lattice_, embed(anchor), u); }
   // How much of what two anchors of a suture that follow each other hold is the same, 0 to 1, pair by pair.
-  std::vector<double> shared(const SutureState& suture, std::span<const Real> u) const;
+  std::vector<double> shared(const SutureState& suture) const;
   // Corners of the box around the surface at rest.
   const Vec3& lowest() const { return lowest_; }
   const Vec3& highest() const { return highest_; }
@@ -52,26 +53,29 @@ class FrameConstraints {
   std::vector<FaceLoad> loads_of(const FrameInput& frame) const;
   std::vector<PointConstraint> point_constraints(const FrameInput& frame, const TissueState<Real>& state) const;
   const AnchorStencil& embed(const Anchor& anchor) const;
-  PointConstraint suture_constraint(const SutureState& suture, const double* gap, std::span<const Real> u) const;
+  PointConstraint suture_constraint(const SutureState& suture, const double* gap) const;
   // What a suture holds, end to end.
-  std::vector<const AnchorStencil*> stencils_of(const SutureState& suture, std::span<const Real> u) const;
-  // Of the two ends where tissue presses on tissue: each goes out to the middle between the walls that face each other
-  // where tissue is as `u` says, so that the ends meet where the walls touch. Null where none do.
+  std::vector<const AnchorStencil*> stencils_of(const SutureState& suture) const;
+  // Of the two ends where tissue presses on tissue: each goes out to the middle between the walls that the suture brings
+  // together, so that the ends meet where these touch. Null where it brings none together. Found once an epoch, on the
+  // surface at rest.
   using Ends = std::pair<AnchorStencil, AnchorStencil>;
-  const Ends* ends_between_walls(const SutureState& suture, std::span<const Real> u) const;
-  Vec3 normal_now(Index triangle, std::span<const Real> u) const;
+  const Ends* ends_between_walls(const SutureState& suture) const;
+  std::optional<Ends> find_ends_between_walls(const SutureState& suture) const;
   Vec3 separation(const SutureState& suture, std::span<const Real> u) const;
+  const AnchorStencils& stencil_maker() const;
   double max_penalty(std::span<const Index> held) const;
 
   const SessionSettings& settings_;
   const Lattice& lattice_;
   const Surface& surface_;
+  const std::vector<std::uint8_t>& walls_;
   const LoadedFacesByIndex& loaded_;
   System<Real>& system_;
   Vec3 lowest_, highest_;
   mutable std::optional<AnchorStencils> stencil_maker_;
   mutable std::map<std::array<double, 4>, AnchorStencil> stencils_;  // by rest point and triangle
-  mutable std::map<std::int32_t, Ends> ends_between_walls_;          // by suture
+  mutable std::map<std::int32_t, std::optional<Ends>> ends_between_walls_;  // by suture
 };
 
 extern template class FrameConstraints<float>;

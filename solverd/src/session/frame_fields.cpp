@@ -30,7 +30,7 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
     const Vec3 force = constraint.forces(c, multiplier).front();
     fields.suture_forces.push_back(constraint.slides() ? constraint.tension(c, multiplier) : force.norm());
     append(fields.suture_force_vectors, -force);
-    for (const double shared : epoch.constraints.shared(suture, state.u)) fields.suture_shared.push_back(shared);
+    for (const double shared : epoch.constraints.shared(suture)) fields.suture_shared.push_back(shared);
     append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
     append(fields.suture_points, epoch.constraints.where(suture.b, state.u));
     for (const Anchor& anchor : suture.inner)

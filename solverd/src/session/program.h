@@ -79,6 +79,7 @@ struct EpochInput {
   std::vector<std::uint8_t> fixed;  // per triangle
   std::vector<std::uint8_t> bed;    // per triangle: 0, 1 attached to the bed, 2 resting on it (undermined)
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
+  std::vector<std::uint8_t> walls;  // per triangle: whether it is a wall of a wound; empty: none is
   // Per triangle: the part of the fixed faces that it belongs to, or -1 where it is not fixed; empty: they are one.
   std::vector<std::int32_t> fixed_parts;
   // Per triangle: the roller that it slides on, or -1; empty: none. Of each roller the direction that it holds, or

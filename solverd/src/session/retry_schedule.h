@@ -2,7 +2,8 @@
 // rest in the same way. A state before that is not valid to start from is passed over. Halving the load stops where it
 // does not help, and all attempts together have a budget of iterations: a frame without an equilibrium ends soon. An
 // attempt that gets further along the load than any before adds to the budget, and one that runs out of iterations
-// close to an equilibrium, or where there is no load to halve, goes on.
+// close to an equilibrium, or where there is no load to halve, goes on. Where tissue does not pass through tissue the
+// state before is never passed over for rest: from there the way to the frame leads through tissue.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -19,8 +20,10 @@ struct Attempt {
 class RetrySchedule {
  public:
   // before: the state before differs from rest and is valid to start from. max_newton: iterations of one load step.
-  RetrySchedule(bool before, int max_newton)
-      : max_newton_(std::min(max_newton, kMaxNewton)),
+  // self_contact: tissue does not pass through tissue.
+  RetrySchedule(bool before, int max_newton, bool self_contact = false)
+      : keeps_before_(before && self_contact),
+        max_newton_(std::min(max_newton, kMaxNewton)),
         budget_(kNewtonBudget * max_newton_),
         next_{Attempt{!before, 1}} {}
 
@@ -64,12 +67,13 @@ class RetrySchedule {
 
   // More load steps are of no use.
   void give_up(int used) {
-    if (next_->from_rest)
+    if (next_->from_rest || keeps_before_)
       next_.reset();
     else
       start_over(used);
   }
 
+  bool keeps_before_;
   int max_newton_, budget_;
   std::optional<Attempt> next_;
   double residual_ = std::numeric_limits<double>::infinity();

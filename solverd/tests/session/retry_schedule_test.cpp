@@ -44,6 +44,17 @@ TEST(RetrySchedule, OneThatGoesOnAndGetsLostIsTriedInLoadSteps) {
   EXPECT_EQ(schedule.next()->load_steps, 2);
 }
 
+TEST(RetrySchedule, WhereTissueDoesNotPassThroughTissueNoAttemptBeginsAtRest) {
+  RetrySchedule schedule(true, 100, true);
+  int attempts = 0;
+  for (int used = 100; schedule.next(); used += 100, ++attempts) {
+    EXPECT_FALSE(schedule.next()->from_rest);
+    schedule.failed(0, 0.5, used);
+  }
+  EXPECT_GT(attempts, 1);
+  EXPECT_TRUE(RetrySchedule(false, 100, true).next()->from_rest);  // there is no other start
+}
+
 TEST(RetrySchedule, AnyNumberOfIterationsMayBeAllowed) {
   RetrySchedule schedule(true, std::numeric_limits<int>::max());
   for (int used = 0; schedule.next() && !schedule.next()->from_rest; used += 1'000'000) {

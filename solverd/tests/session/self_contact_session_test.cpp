@@ -179,6 +179,56 @@ TEST(SelfContactSession, SuturesCloseThroughContactWithinTheirTolerance) {
   EXPECT_GT(out.self_contacts, 0);
 }
 
+// The walls do not face each other at rest, as those that the flaps of a Z-plasty bring together: a retractor turns one
+// of them to the other. A solve that is resumed once they do face must find the same walls.
+TEST(SelfContactSession, ASutureBringsTheSameWallsTogetherWhereverTheSolveIsResumed) {
+  Surface surface = grid_box({0, 0, 0}, {6, 6, 3}, 1.0);
+  append(surface, grid_box({10, 0, 0}, {16, 6, 3}, 1.0));
+  EpochInput epoch = make_epoch(
+      surface, [](const Vec3& c) { return c[0] < 1e-9; }, [](const Vec3& c) { return c[1] > 6 - 1e-9 && c[0] > 9 ? 0 : -1; });
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Vec3 c = center(surface, t);
+    epoch.walls.push_back(std::abs(c[0] - 6) < 1e-9 || (c[0] > 9 && c[1] < 1e-9));
+  }
+  add_landmark(epoch, Vec3(6, 3, 3));
+  add_landmark(epoch, Vec3(13, 0, 3));
+  // About the middle of the second wall, so that it faces the first one, 1 mm away.
+  const Vec3 middle(13, 0, 1.5);
+  const Eigen::Isometry3d turned = Eigen::Translation3d(Vec3(7, 3, 1.5)) *
+                                   Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3::UnitZ()) *
+                                   Eigen::Translation3d(-middle);
+  SessionSettings s = with_contact(1);
+  s.sutures = 1;
+  const auto frame_at = [&](double time, double closure) {
+    FrameInput frame;
+    frame.time = time;
+    frame.retractors = {{0, turned.matrix()}};
+    const auto anchor = [&](std::size_t k) { return Anchor{epoch.landmarks[k], epoch.landmark_triangles[k]}; };
+    if (closure >= 0.0) frame.sutures = {{0, anchor(0), anchor(1), closure, 1000.0}};
+    return frame;
+  };
+  Session through(s), resumed(s);
+  through.set_epoch(epoch);
+  resumed.set_epoch(epoch);
+  ASSERT_TRUE(through.solve(frame_at(1, -1.0), {}, kNever).converged);
+  const FrameOutput before = through.solve(frame_at(2, 0.0), {}, kNever);
+  ASSERT_TRUE(before.converged) << before.failure.message;
+  const FrameOutput closed = through.solve(frame_at(3, 1.0), {}, kNever);
+  ASSERT_TRUE(closed.converged) << closed.failure.message;
+  EXPECT_GT(closed.self_contacts, 0);
+  EXPECT_EQ(closed.piercings, 0);
+  resumed.set_state(before.state);
+  const FrameOutput again = resumed.solve(frame_at(3, 1.0), {}, kNever);
+  EXPECT_EQ(closed.points, again.points);
+  EXPECT_EQ(closed.state.nodes, again.state.nodes);
+  // Without the labels the suture holds its anchors, which come together where the walls lie in each other.
+  epoch.walls.clear();
+  Session unlabeled(s);
+  unlabeled.set_epoch(epoch);
+  unlabeled.set_state(before.state);
+  EXPECT_NE(unlabeled.solve(frame_at(3, 1.0), {}, kNever).points, closed.points);
+}
+
 // The blocks are stout, so that the one neither bends aside nor climbs over the other.
 TEST(SelfContactSession, AHookIsHeldBackByWhatIsInItsWay) {
   Session session(with_contact(1));

@@ -48,6 +48,23 @@ TEST(AugmentedLagrangian, StiffensThePenaltyOfAGapThatHardlyGivesWay) {
   }
 }
 
+// Walls that touch hold a suture open by less than the distance that they keep: that is closed, with no more penalty.
+TEST(AugmentedLagrangian, TakesAGapThatOnlyWallsKeepOpenForClosedOnceItHardlyGivesWay) {
+  AugmentedLagrangian decides(1e-3, 1e-3);
+  Spring spring{.open = 0.05, .compliance = 0.2};
+  AugmentedLagrangian::Action action;
+  while ((action = decides.next(0.0, spring.gap(), 0.0)) == AugmentedLagrangian::Action::kUpdate) {
+    spring.multiplier += spring.penalty * spring.gap();
+    ++spring.updates;
+  }
+  EXPECT_EQ(action, AugmentedLagrangian::Action::kConverged);
+  EXPECT_GT(spring.gap(), 1e-3);
+  EXPECT_EQ(decides.stiffening(), 1.0);
+  EXPECT_LE(spring.updates, 3);
+  EXPECT_EQ(decides.next(2e-3, spring.gap(), 0.0), AugmentedLagrangian::Action::kIterate);  // forces must balance
+  EXPECT_EQ(decides.next(0.0, 0.5, 0.5), AugmentedLagrangian::Action::kUpdate);             // and nothing else be open
+}
+
 // Demands that contradict others leave a wide gap: no penalty is to tear the tissue.
 TEST(AugmentedLagrangian, GivesAWideGapThatHardlyGivesWayUp) {
   AugmentedLagrangian decides(1e-3, 1e-3);

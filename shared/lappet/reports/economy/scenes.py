@@ -199,7 +199,12 @@ def _coarse_program(program: Program) -> Program:
 
 FEATURES = (
     Feature("contact", "a ledge of bone that pushes the bar up by 0.5 mm", _contact),
-    Feature("self_contact", "not in this version: nothing to switch on, nothing to pay for", None),
+    Feature(
+        "self_contact",
+        "the bar never comes near itself: what looking for it costs",
+        lambda p: replace(p, settings=replace(p.settings, self_contact=True)),
+        base=plain,  # no daemon is built without it
+    ),
     Feature("fibers", "one family along the bar, k1 2 kPa, k2 1", lambda p: _material(p, fiber_k1=2.0, fiber_k2=1.0)),
     Feature("muscle", "a muscle along the bar, 5 kPa, active by a fifth", _muscle),
     Feature("prestretch", "2 % along and across the bar", lambda p: _material(p, prestretch=(1.02, 1.02))),

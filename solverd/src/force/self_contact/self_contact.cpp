@@ -9,13 +9,18 @@ namespace lappet {
 
 namespace {
 
-// From how many spacings on surfaces keep apart.
-constexpr double kReach = 0.05;
+// From how many spacings on surfaces keep apart, up to a spacing of 1 mm. Beyond, this share grows with the spacing:
+// what two lattices make of walls that fit each other differs by the square of it, and where the reach is less than that
+// a few points bear all of the pressure.
+constexpr double kReach = 0.05, kFullSpacing = 1.0;  // mm
 // By how many spacings the surface may move before pairs are looked for again.
 constexpr double kSlack = 0.1;
-// Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 0.3 of one. Softer, a
+// Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 1.2 of them. Softer, a
 // corner bears its load at a thousandth of the reach only, where a Newton step leads nowhere.
-constexpr double kStiffness = 0.25;
+constexpr double kStiffness = 1.0;
+
+double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
+
 constexpr std::size_t kPairsPerChunk = 128;
 
 // The least of the shares that body(k, most) finds for each pair, given what is left of the step so far.
@@ -35,7 +40,7 @@ double least_share(std::size_t count, double most, const Body& body) {
 }  // namespace
 
 SelfContact::SelfContact(const Lattice& lattice, const Surface& surface, double modulus, const Interrupt& interrupt)
-    : surface_(lattice, surface, kReach * lattice.settings.spacing, interrupt),
+    : surface_(lattice, surface, reach_at(lattice.settings.spacing), interrupt),
       candidates_(surface_, kSlack * lattice.settings.spacing),
       stiffness_(kStiffness * modulus) {}
 
@@ -75,15 +80,20 @@ void SelfContact::add_gradient(std::span<const TouchingPair> pairs, std::span<do
 
 SparseRows SelfContact::rows(std::span<const TouchingPair> pairs) const {
   std::vector<std::vector<TangentRow>> of_pair(pairs.size());
-  for_each_row(pairs.size(), [&](std::size_t p) { of_pair[p] = tangent_rows(pairs[p]); });
+  for_each_row(pairs.size(), [&](std::size_t p) { of_pair[p] = definite_rows(pairs[p]); });
   SparseRows result;
-  for (std::size_t p = 0; p < pairs.size(); ++p)
-    add_row(
-        pairs[p],
-        of_pair[p].empty() ? TangentRow{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()} : of_pair[p].front(),
-        result);
+  for (std::size_t p = 0; p < pairs.size(); ++p) add_row(pairs[p], of_pair[p].front(), result);
   for (std::size_t p = 0; p < pairs.size(); ++p)
     for (std::size_t k = 1; k < of_pair[p].size(); ++k) add_row(pairs[p], of_pair[p][k], result);
+  return result;
+}
+
+SparseRows SelfContact::negative_rows(std::span<const TouchingPair> pairs) const {
+  std::vector<std::vector<TangentRow>> of_pair(pairs.size());
+  for_each_row(pairs.size(), [&](std::size_t p) { of_pair[p] = lappet::negative_rows(pairs[p]); });
+  SparseRows result;
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    for (const TangentRow& row : of_pair[p]) add_row(pairs[p], row, result);
   return result;
 }
 

@@ -38,8 +38,10 @@ class SelfContact {
   // Adds the gradient of the energy (3 per node). The same for any number of threads.
   template <class Real>
   void evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state);
-  // The tangent of pairs, positive semidefinite: first one row for each pair, then the others (contact_tangent.h).
+  // The definite part of the tangent of pairs: first one row for each pair, then the others (contact_tangent.h).
   SparseRows rows(std::span<const TouchingPair> pairs) const;
+  // By what the exact tangent is less.
+  SparseRows negative_rows(std::span<const TouchingPair> pairs) const;
   // Adds the gradient of their energy (3 per node).
   void add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const;
   // Where a row's pair touches, at its first side, and where the vertex of that and of the other side is embedded that
@@ -56,15 +58,13 @@ class SelfContact {
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most);
 
   double stiffness() const { return stiffness_; }
-  // Of two walls that sutures hold together, mm.
-  double distance_of_walls() const { return kShareOfReach * surface_.reach(); }
+  // Of two walls that sutures hold together, mm: they touch, and do not press on each other yet.
+  double distance_of_walls() const { return surface_.reach(); }
   const ContactSurface& surface() const { return surface_; }
   const ContactCandidates& candidates() const { return candidates_; }
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
 
  private:
-  static constexpr double kShareOfReach = 0.6;
-
   void add_row(const TouchingPair& pair, const TangentRow& row, SparseRows& to) const;
   // Writes where a step begins and goes, and finds the candidates for it.
   template <class Real>

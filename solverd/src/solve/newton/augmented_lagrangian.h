@@ -17,8 +17,11 @@ class AugmentedLagrangian {
 
   AugmentedLagrangian(double tolerance, double gap_tolerance) : tolerance_(tolerance), gap_tolerance_(gap_tolerance) {}
 
-  // After an iteration or an update: relative residual, and the largest gap in mm.
-  Action next(double residual, double gap) {
+  // After an iteration or an update: relative residual, and the largest gap in mm. but_walls: that of all but the
+  // sutures that touching walls keep from closing. Once an update closes little the latter counts.
+  Action next(double residual, double gap) { return next(residual, gap, gap); }
+  Action next(double residual, double gap, double but_walls) {
+    if (walls_) gap = but_walls;
     const bool open = gap > gap_tolerance_;
     const double looseness = std::clamp(gap / gap_tolerance_, 1.0, kLooseTolerance);
     // What rounding leaves of the residual cannot be asked to fall further.
@@ -30,6 +33,12 @@ class AugmentedLagrangian {
     if (!open) return Action::kConverged;
     if (++updates_ > kMaxUpdates) return Action::kGiveUp;
     slow_ = gap > kGapProgress * previous_gap_ ? slow_ + 1 : 0;
+    if (slow_ > 0 && but_walls <= gap_tolerance_) {
+      walls_ = true;
+      strictness_ = 1.0;
+      previous_residual_ = std::numeric_limits<double>::infinity();
+      return residual > tolerance_ ? Action::kIterate : Action::kConverged;
+    }
     if (slow_ > 0) strictness_ = std::max(kStricter * strictness_, kStrictest);
     rate_ = gap / previous_gap_;
     previous_gap_ = gap;
@@ -60,6 +69,7 @@ class AugmentedLagrangian {
   double tolerance_, gap_tolerance_;
   double strictness_ = 1.0;
   double previous_gap_ = std::numeric_limits<double>::infinity(), previous_residual_ = previous_gap_;
+  bool walls_ = false;          // only walls are in the way of the rest
   int updates_ = 0, slow_ = 0;  // in all; that closed little of the gap, in a row
   double rate_ = 0.0;           // share of the gap that the last one left
   double stiffened_ = 1.0;

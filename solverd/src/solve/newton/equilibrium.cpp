@@ -100,6 +100,7 @@ class EquilibriumSearch {
  private:
   void search() {
     evaluate();
+    if (now_.self_contact.touches()) system_.leave_closed(u_, multipliers_);
     go_on_moving();
     while (true) {
       const bool carries = system_.prescribed_increment(u_, increment());
@@ -158,6 +159,10 @@ class EquilibriumSearch {
     outcome_.inverted = now_.inverted;
     outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
   }
+  // Where tissue presses on tissue; elsewhere all gaps are to be closed.
+  double gap_of(typename System<Real>::Gaps which) const {
+    return now_.self_contact.touches() ? system_.largest_gap(u_, multipliers_, now_, which) : outcome_.gap;
+  }
   void fail(FailureCode code, std::string message) { outcome_.failure = {code, std::move(message)}; }
 
   void fail_open() {
@@ -185,7 +190,8 @@ class EquilibriumSearch {
   // Moves the multipliers on while the residual allows. kConverged: forces and gaps are within their tolerances.
   AugmentedLagrangian::Action settle() {
     while (true) {
-      const auto action = augmented_lagrangian_.next(outcome_.residual, outcome_.gap);
+      const auto action = augmented_lagrangian_.next(outcome_.residual, gap_of(System<Real>::Gaps::kOpen),
+                                                     gap_of(System<Real>::Gaps::kButWalls));
       switch (action) {
         case AugmentedLagrangian::Action::kIterate:
         case AugmentedLagrangian::Action::kConverged:

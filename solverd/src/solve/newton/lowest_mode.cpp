@@ -90,7 +90,8 @@ class ModeSearch {
   // A tangent costs as much as two products: what needs the present one comes first.
   void linearize(PsdProjection how) {
     if (tangent_ == how) return;
-    system_.linearize(at_, how);
+    // Compression alone counts: what slides around a corner that presses on it has its own negative stiffness.
+    system_.linearize(at_, how, PsdProjection::kClamp);
     tangent_ = how;
   }
   void precondition(std::span<const Real> b, std::span<Real> x) {

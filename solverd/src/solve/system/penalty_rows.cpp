@@ -13,7 +13,8 @@ constexpr std::size_t kRows = 512;  // at a time
 }  // namespace
 
 template <class Real>
-void PenaltyRows<Real>::set(std::span<const ContactPenalty> penalties, const SparseRows& rows, const Lattice& lattice) {
+void PenaltyRows<Real>::set(std::span<const ContactPenalty> penalties, const SparseRows& added,
+                            const SparseRows& taken_off, const Lattice& lattice) {
   row_start_.assign(1, 0);
   of_row_.clear();
   std::vector<std::uint32_t> count(lattice.node_rest.size() + 1, 0);
@@ -30,16 +31,21 @@ void PenaltyRows<Real>::set(std::span<const ContactPenalty> penalties, const Spa
     }
     row_start_.push_back(static_cast<std::uint32_t>(of_row_.size()));
   }
-  for (std::size_t row = 0; row < rows.count(); ++row) {
-    for (std::uint32_t k = rows.start[row]; k < rows.start[row + 1]; ++k) {
-      const Vec3& factor = rows.factors[k];
-      const auto node = static_cast<std::uint32_t>(rows.nodes[k]);
-      of_row_.push_back(
-          {node, {static_cast<Real>(factor[0]), static_cast<Real>(factor[1]), static_cast<Real>(factor[2])}});
-      ++count[node];
+  const auto add = [&](const SparseRows& some) {
+    for (std::size_t row = 0; row < some.count(); ++row) {
+      for (std::uint32_t k = some.start[row]; k < some.start[row + 1]; ++k) {
+        const Vec3& factor = some.factors[k];
+        const auto node = static_cast<std::uint32_t>(some.nodes[k]);
+        of_row_.push_back(
+            {node, {static_cast<Real>(factor[0]), static_cast<Real>(factor[1]), static_cast<Real>(factor[2])}});
+        ++count[node];
+      }
+      row_start_.push_back(static_cast<std::uint32_t>(of_row_.size()));
     }
-    row_start_.push_back(static_cast<std::uint32_t>(of_row_.size()));
-  }
+  };
+  add(added);
+  taken_off_ = row_start_.size() - 1;
+  add(taken_off);
   along_.resize(row_start_.size() - 1);
   nodes_.clear();
   node_start_.assign(1, 0);
@@ -68,7 +74,7 @@ void PenaltyRows<Real>::add_product(std::span<const Real> x, std::span<Real> y) 
             const Real* at = &x[3 * std::size_t{node}];
             sum += factor[0] * at[0] + factor[1] * at[1] + factor[2] * at[2];
           }
-          along_[row] = sum;
+          along_[row] = row < taken_off_ ? sum : -sum;
         }
       },
       kRows);

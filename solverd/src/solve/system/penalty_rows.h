@@ -18,9 +18,10 @@ namespace lappet {
 template <class Real>
 class PenaltyRows {
  public:
-  // Penalties on cells of the lattice, and rows that are ready.
-  void set(std::span<const ContactPenalty> penalties, const SparseRows& rows, const Lattice& lattice);
-  // y += sum_p c_p (c_p . x)
+  // Penalties on cells of the lattice, and rows that are ready: those that are added, and those that are taken off.
+  void set(std::span<const ContactPenalty> penalties, const SparseRows& added, const SparseRows& taken_off,
+           const Lattice& lattice);
+  // y += sum_p s_p c_p (c_p . x), s_p = -1 for what is taken off, else 1
   void add_product(std::span<const Real> x, std::span<Real> y) const;
   std::size_t bytes() const;
 
@@ -30,6 +31,7 @@ class PenaltyRows {
     std::array<Real, 3> factor;
   };
 
+  std::size_t taken_off_ = 0;             // the first row that is taken off
   std::vector<std::uint32_t> row_start_;  // into the entries of the rows, and the end
   std::vector<Entry> of_row_;
   std::vector<std::uint32_t> nodes_;  // that rows touch, ascending

@@ -209,7 +209,7 @@ const Elastic<Real>& System<Real>::elastic_at(const Evaluation& at) const {
 }
 
 template <class Real>
-void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
+void System<Real>::linearize(const Evaluation& at, PsdProjection how, PsdProjection contact) {
   (void)elastic_at(at);
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
@@ -218,7 +218,9 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
     self_contact_rows_ = self_contact_->rows(at.self_contact.pairs);
     self_contact_places_ = self_contact_->places(at.self_contact.pairs);
   }
-  penalty_rows_.set(contact_penalties_, self_contact_rows_, lattice());
+  SparseRows taken_off;
+  if (self_contact_ && contact == PsdProjection::kExact) taken_off = self_contact_->negative_rows(at.self_contact.pairs);
+  penalty_rows_.set(contact_penalties_, self_contact_rows_, taken_off, lattice());
   point_tangent_ = at.point_tangent;
   pressed_from_ = at.pressed;
   pressure_energy_from_ = at.pressure_energy;
@@ -317,17 +319,29 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
 }
 
 template <class Real>
-double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const {
-  const double gap = std::max(suture_gap(u, multipliers), held_gap(u));
+double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at,
+                                 Gaps which) const {
+  const double gap = std::max(suture_gap(u, multipliers, which), held_gap(u));
   return contact() ? std::max(gap, at.contact.excess) : gap;
 }
 
 template <class Real>
-double System<Real>::suture_gap(std::span<const Real> u, const Multipliers& multipliers) const {
+double System<Real>::suture_gap(std::span<const Real> u, const Multipliers& multipliers, Gaps which) const {
   double gap = 0.0;
-  for (const auto& constraint : point_constraints_)
-    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.values(u), multipliers.of(constraint)));
+  for (const auto& constraint : point_constraints_) {
+    if (!constraint.exact) continue;
+    const double own = constraint.gap(constraint.values(u), multipliers.of(constraint));
+    const bool kept_by_walls = which == Gaps::kButWalls || (which == Gaps::kOpen && constraint.closed);
+    if (!kept_by_walls || own > constraint.walls_keep) gap = std::max(gap, own);
+  }
   return gap;
+}
+
+template <class Real>
+void System<Real>::leave_closed(std::span<const Real> u, const Multipliers& multipliers) {
+  for (auto& constraint : point_constraints_)
+    constraint.closed =
+        constraint.drawn && constraint.gap(constraint.values(u), multipliers.of(constraint)) <= constraint.walls_keep;
 }
 
 template <class Real>
@@ -356,10 +370,13 @@ double System<Real>::held_gap(std::span<const Real> u) const {
 
 template <class Real>
 void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const {
-  for (const auto& constraint : point_constraints_)
-    if (constraint.exact)
-      multipliers.of_constraint[constraint.id] =
-          constraint.next_multiplier(constraint.values(u), multipliers.of(constraint));
+  for (const auto& constraint : point_constraints_) {
+    if (!constraint.exact) continue;
+    const std::vector<Vec3> values = constraint.values(u);
+    const Vec3 multiplier = multipliers.of(constraint);
+    if (constraint.closed && constraint.gap(values, multiplier) <= constraint.walls_keep) continue;
+    multipliers.of_constraint[constraint.id] = constraint.next_multiplier(values, multiplier);
+  }
   if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);
   fit(multipliers);
   for (std::size_t r = 0; r < attachments_.rollers.size(); ++r)
@@ -383,7 +400,7 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
 template <class Real>
 void System<Real>::stiffen_widest(double factor, std::span<const Real> u, const Multipliers& multipliers) {
   ++revision_;
-  if (held_gap(u) > suture_gap(u, multipliers)) {
+  if (held_gap(u) > suture_gap(u, multipliers, Gaps::kAll)) {
     held_growth_ = std::min(factor * held_growth_, kMaxHeldGrowth);
     return set_quadratics();
   }

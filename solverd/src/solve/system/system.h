@@ -80,7 +80,9 @@ class System {
   Evaluation evaluate(std::span<const Real> u, const Multipliers& multipliers, Evaluation reused = {});
   // Computes the tangent where `at` was found. That must be the last evaluation: the decomposition of each cell is kept
   // where the kernels put it, once.
-  void linearize(const Evaluation& at, PsdProjection how);
+  // contact: likewise for tissue that presses on tissue, where it does.
+  void linearize(const Evaluation& at, PsdProjection how) { linearize(at, how, how); }
+  void linearize(const Evaluation& at, PsdProjection how, PsdProjection contact);
   void multiply(std::span<const Real> x, std::span<Real> y) const;  // y = K x on free nodes, 0 elsewhere
 
   bool is_free(std::size_t node) const { return free_[node]; }
@@ -105,7 +107,13 @@ class System {
 
   // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
   // over the face in a cell), and what is deeper in bone than a penalty may leave. at: the evaluation at u.
-  double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
+  // kOpen: of what is to be closed further; kButWalls: leaves out sutures whose walls are no farther from each other than
+  // walls that touch keep.
+  enum class Gaps : std::uint8_t { kAll, kOpen, kButWalls };
+  double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at,
+                     Gaps which = Gaps::kAll) const;
+  // Draws sutures no further whose walls touch at u, until the point constraints are set again.
+  void leave_closed(std::span<const Real> u, const Multipliers& multipliers);
   // lambda += stiffness c, for sutures, held faces and tissue that is too deep in bone. at: the evaluation at u.
   void update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const;
   // Raises the penalty of what keeps the largest gap at u, sutures that close exactly or held faces, until the point
@@ -151,7 +159,7 @@ class System {
     return face.group < 0 || retractor_active_[static_cast<std::size_t>(face.group)];
   }
   double held_stiffness() const { return held_growth_ * held_stiffness_; }
-  double suture_gap(std::span<const Real> u, const Multipliers& multipliers) const;
+  double suture_gap(std::span<const Real> u, const Multipliers& multipliers, Gaps which) const;
   double held_gap(std::span<const Real> u) const;
   // Parts of evaluate: each adds to the gradient and returns its energy, or adds it.
   double add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,

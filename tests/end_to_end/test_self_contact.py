@@ -1,0 +1,66 @@
+"""With self-contact no frame of an operation passes through itself: an independent library looks at every surface.
+
+The IPC Toolkit (Li et al. 2020) is the oracle. It shares nothing with the daemon.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import ipctk
+import numpy as np
+import pytest
+
+from lappet.daemon.daemon_solver import connect_to, solver_identity
+from lappet.program.compile import compile_program
+from lappet.program.settings import SolverSettings
+from lappet.solve.solve_frames import SolveObserver, solve_program
+from lappet.solve.store import FrameStore
+from lappet.usd.stage import read_procedure
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+def passes_through_itself(points: np.ndarray, triangles: np.ndarray) -> bool:
+    """Whether an edge goes through a face, after the IPC Toolkit; points in mm, shape (n, 3)."""
+    places, faces = np.asarray(points, np.float64), np.asarray(triangles, np.int32)
+    edges = ipctk.edges(faces)
+    return bool(ipctk.has_intersections(ipctk.CollisionMesh(places, edges, faces), places))
+
+
+def frames_that_pass_through(example: str, spacing: float, self_contact: bool, folder: Path) -> list[float]:
+    """Solve an example, all of whose frames must converge; the times of frames with intersections."""
+    procedure = read_procedure(EXAMPLES / example / f"{example}.usda")
+    settings = SolverSettings(spacing=spacing, strain=False, self_contact=self_contact)
+    program = compile_program(procedure, settings=settings)
+    solved = solve_program(program, FrameStore(folder), connect_to(None), solver_identity(None), SolveObserver())
+    surfaces = {epoch.index: epoch.surface.triangles for epoch in program.epochs}
+    assert solved.reason is None, solved.reason
+    assert len(solved.frames) == len(program.frames)
+    return [
+        asked.time
+        for asked, found in zip(program.frames, solved.frames, strict=True)
+        if passes_through_itself(found.solved.points, surfaces[asked.epoch])
+    ]
+
+
+def test_the_oracle_finds_what_passes_through() -> None:
+    triangle = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    faces = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
+    apart = np.concatenate([triangle, triangle + np.array([0.1, 0.1, 0.1])])
+    across = np.concatenate([triangle, np.array([[0.2, 0.2, -0.5], [0.2, 0.2, 0.5], [0.9, 0.9, 0.5]])])
+    assert not passes_through_itself(apart, faces)
+    assert passes_through_itself(across, faces)
+
+
+def test_the_ellipse_closes_without_passing_through_itself(tmp_path: Path) -> None:
+    assert frames_that_pass_through("ellipse", 2.0, True, tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("example", ["z_plasty", "rhomboid"])
+def test_flaps_change_places_without_passing_through_themselves(example: str, tmp_path: Path) -> None:
+    through = frames_that_pass_through(example, 2.0, False, tmp_path / "off")
+    assert through, "the test shows nothing where nothing meets"
+    assert frames_that_pass_through(example, 2.0, True, tmp_path / "on") == []
