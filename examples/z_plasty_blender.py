@@ -113,6 +113,7 @@ def sew(a: Vector, b: Vector, c: Vector, d: Vector) -> None:
                 first_edge=points(edges[0]),
                 second_edge=points(edges[1]),
                 count=count,
+                single=True,
                 inset_start=first,
                 inset_end=1.0 - last,
                 start=TRANSPOSED,

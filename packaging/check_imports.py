@@ -44,6 +44,7 @@ FOLDERS = (
     "geometry",
     "usd",
     "tissue",
+    "suturing",
     "checks",
     "designs",
     "models",

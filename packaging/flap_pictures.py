@@ -1,33 +1,71 @@
-"""Keep the last atlas in the documents: `flap_pictures.py build/atlas` copies its results and filmstrips into docs/."""
+"""Draw the plans of all designs into docs/, and keep the last atlas there: `flap_pictures.py [build/atlas]`."""
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
+from lappet.designs.flap_plan import flap_plan
+from lappet.designs.library import DESIGNS
+from lappet.output.plan_figure import write_plan_figure
+
 DOCS = Path(__file__).resolve().parent.parent / "docs"
+PICTURES = DOCS / "images" / "flaps"
 QUALITY = 85
 
 
-def main(folder: Path) -> None:
+def draw_plans() -> None:
+    """Draw the plan of every design at its defaults."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for design in DESIGNS.values():
+        write_plan_figure(flap_plan(design), design.lines, PICTURES / f"{design.name}_plan.svg")
+
+
+def keep_atlas(folder: Path) -> None:
     """Copy the results, and the filmstrip of each design as JPEG; designs that the run left out keep their rows."""
     results = json.loads((folder / "atlas.json").read_text(encoding="utf-8"))
     before = json.loads((DOCS / "atlas.json").read_text(encoding="utf-8"))
-    solved = {row["name"] for row in results["rows"]}
-    kept = [row for row in before["rows"] if row["name"] not in solved]
-    if kept and before["spacing_mm"] != results["spacing_mm"]:
+    if before["spacing_mm"] != results["spacing_mm"] and len(kept_rows(before, results)):
         sys.exit(f"The rows kept are at {before['spacing_mm']} mm: run the atlas at that spacing, or for all designs.")
-    together = json.dumps({**results, "rows": [*kept, *results["rows"]]}, indent=1, ensure_ascii=False)
+    together = json.dumps(merged(before, results), indent=1, ensure_ascii=False)
     (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
-    pictures = DOCS / "images" / "flaps"
-    pictures.mkdir(parents=True, exist_ok=True)
     for row in results["rows"]:
         strip = Image.open(folder / "pictures" / row["name"] / "filmstrip.png").convert("RGB")
-        strip.save(pictures / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
+        strip.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
+
+
+def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any]) -> list[Any]:
+    """The rows of designs that a run left out."""
+    solved = {row["name"] for row in results["rows"]}
+    return [row for row in before["rows"] if row["name"] not in solved]
+
+
+def merged(before: Mapping[str, Any], results: Mapping[str, Any]) -> dict[str, Any]:
+    """The results of a run with the rows that it left out, each run with what it was taken on and its designs."""
+    kept = kept_rows(before, results)
+    names = {row["name"] for row in kept}
+    first = {**_head(before), "designs": [row["name"] for row in before["rows"]]}
+    runs = [
+        {**run, "designs": [name for name in run["designs"] if name in names]} for run in before.get("runs", [first])
+    ]
+    runs.append({**_head(results), "designs": [row["name"] for row in results["rows"]]})
+    return {
+        "spacing_mm": results["spacing_mm"],
+        "runs": [run for run in runs if run["designs"]],
+        "rows": [*kept, *results["rows"]],
+    }
+
+
+def _head(results: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in results.items() if name not in ("rows", "spacing_mm")}
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    draw_plans()
+    for argument in sys.argv[1:]:
+        keep_atlas(Path(argument))

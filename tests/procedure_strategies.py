@@ -22,6 +22,8 @@ from lappet.procedure import (
     Roller,
     Section,
     Suture,
+    SutureLayer,
+    SutureRun,
     Tissue,
     Traction,
     Undermine,
@@ -52,6 +54,31 @@ def vessels(name: str) -> st.SearchStrategy[Vessel]:
     )
 
 
+def suture_runs(name: str) -> st.SearchStrategy[SutureRun]:
+    """A suture run with that name."""
+    layer = st.builds(SutureLayer, st.sampled_from(["skin", "deep", "dermal"]), numbers, st.booleans())
+    return st.builds(
+        SutureRun,
+        st.just(name),
+        st.tuples(curves, curves),
+        numbers,
+        st.sampled_from([(1, -1), (-1, 1), (1, 1)]),
+        st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), max_size=3).map(tuple),
+        numbers,
+        numbers,
+        st.none() | numbers,
+        st.none() | numbers,
+        st.lists(layer, min_size=1, max_size=3, unique_by=lambda each: each.name).map(tuple),
+        st.sampled_from(["interrupted", "running", "verticalMattress"]),
+        numbers,
+        st.sampled_from(["halving", "forward", "together"]),
+        st.sampled_from(["exact", "thread"]),
+        st.sampled_from(["", "nylon 5-0"]),
+        *([numbers] * 4),
+        st.lists(st.tuples(points, points), max_size=2).map(tuple),
+    )
+
+
 def events(name: str) -> st.SearchStrategy[Event]:
     """An event of any kind with that name."""
     named = st.just(name)
@@ -75,6 +102,7 @@ def events(name: str) -> st.SearchStrategy[Event]:
             numbers,
             numbers,
         ),
+        suture_runs(name),
         st.builds(Traction, named, st.sampled_from(["fixed", "handle"]), _samples(points), numbers, numbers),
         st.builds(Pressure, named, st.sampled_from(["fixed", "handle"]), _samples(numbers), numbers, numbers),
         st.builds(Section, named, points, points, labels),

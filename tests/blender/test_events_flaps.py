@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
+import numpy as np
 import pytest
 
-from event_patch import patch_scene
+from event_patch import co, patch_scene
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.flap_plan import flap_plan
 from lappet.designs.library import DESIGNS
-from lappet.procedure import Excision, Hook, Incision, Landmark, Suture, Undermine
-from lappet_blender.events.flap_operators import OPERATORS
+from lappet.procedure import Excision, Hook, Incision, Landmark, SutureRun, Undermine
+from lappet_blender.events.flap_operators import OPERATORS, VIEW3D_PT_lappet_flaps
+from lappet_blender.events.flap_thumbnails import SIZE
+from lappet_blender.events.flap_thumbnails import drawn as picture_of
 from lappet_blender.model.event_values import event_value
 from lappet_blender.model.scene_procedure import read_scene
 from refusals import refusal_code
@@ -35,18 +41,25 @@ def test_there_is_an_operator_for_every_design() -> None:
     assert [each.design.name for each in OPERATORS] == list(DESIGNS)
 
 
-ON_THEIR_BED = ("upper-lid", "keystone")  # nothing is undermined
+ON_THEIR_BED = ("upper-lid", "keystone", "keystone-iii")  # nothing is undermined
 
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_design_adds_its_operation_without_a_problem(patch: bpy.types.Scene, name: str) -> None:
     assert getattr(ops, f"flap_{name.replace('-', '_')}")(time=1) == {"FINISHED"}
     found = {type(event) for event in events(patch)}
-    assert {Incision, Suture, Landmark} <= found
+    assert {Incision, SutureRun, Landmark} <= found
     assert (Undermine in found) == (name not in ON_THEIR_BED)
     procedure = read_scene(patch).procedure
     assert procedure is not None
     assert len(procedure.events) == len(patch.lappet.events)
+
+
+def test_a_flap_on_a_narrow_base_is_added_with_a_warning(patch: bpy.types.Scene, capfd: pytest.CaptureFixture) -> None:
+    """`bpy.ops` prints what an operator reports."""
+    assert ops.flap_u_plasty(width=12.0, length=4.0, lines="X", time=1) == {"FINISHED"}
+    assert "more than 3:1" in capfd.readouterr().out
+    assert len(patch.lappet.events)
 
 
 def test_a_limberg_lies_at_the_cursor_with_the_measures_given(patch: bpy.types.Scene) -> None:
@@ -82,3 +95,80 @@ def test_a_design_larger_than_the_skin_is_refused_and_changes_nothing(patch: bpy
 
 def test_without_tissue_there_is_nothing_to_draw_on(scene: bpy.types.Scene) -> None:
     assert refusal_code(lambda: ops.flap_limberg()) == ProblemCode.TISSUE_NONE
+
+
+class Grid:
+    """A layout that writes down the pictures and buttons of the library."""
+
+    def __init__(self, drawn: list) -> None:
+        self.__dict__["drawn"] = drawn
+
+    def __setattr__(self, name: str, value: object) -> None:
+        assert name in bpy.types.UILayout.bl_rna.properties, name
+
+    def grid_flow(self, **how: object) -> Grid:
+        assert set(how) <= set(bpy.types.UILayout.bl_rna.functions["grid_flow"].parameters.keys())
+        return self
+
+    def column(self, **_: object) -> Grid:
+        return self
+
+    def label(self, text: str) -> None:
+        assert text
+
+    def template_icon(self, icon_value: int, scale: float) -> None:
+        self.drawn.append(icon_value)
+
+    def operator(self, name: str, text: str) -> None:
+        assert name.startswith("lappet.flap_")
+        self.drawn.append(text)
+
+
+def test_the_library_shows_every_design_by_a_picture_of_its_plan_and_its_name() -> None:
+    drawn: list = []
+    VIEW3D_PT_lappet_flaps.draw(SimpleNamespace(layout=Grid(drawn)), None)
+    assert drawn[1::2] == [design.title for design in DESIGNS.values()]
+    assert all(isinstance(each, int) for each in drawn[::2])
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_picture_shows_the_cuts_within_its_frame_and_what_is_excised(name: str) -> None:
+    plan = flap_plan(DESIGNS[name])
+    pixels = picture_of(plan)
+    assert pixels.shape == (SIZE, SIZE, 4)
+    clear = pixels[:, :, 3] == 0.0
+    assert all(edge.all() for edge in (clear[:4], clear[-4:], clear[:, :4], clear[:, -4:]))
+    assert 0.01 < np.mean(pixels[:, :, 0] > 0.8) < 0.5
+    low, high = plan.bounds
+    scale = (SIZE - 18.0) / float((high - low).max())
+    row = DESIGNS[name]
+    drawn = row.draw(np.zeros(3), (1.0, 0.0, 0.0), **row.values({}))
+    assert len(plan.outlines) == len(drawn.excised)
+    for cut in drawn.excised:  # the seed lies in what is excised, also where that is bent, as a crescent
+        middle = np.array(cut.seed[:2]) * scale + 0.5 * SIZE - 0.5 * scale * (low + high)
+        assert pixels[int(middle[1]), int(middle[0]), 3] > 0.5
+
+
+def test_the_measures_of_a_flap_can_be_kept_as_presets() -> None:
+    assert all("PRESET" in each.bl_options for each in OPERATORS)
+
+
+def test_a_flap_takes_the_place_and_the_size_of_the_outline_that_is_active(patch: bpy.types.Scene) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    ring = [(-10.0 + 6.0 * np.cos(a), 5.0 + 6.0 * np.sin(a), TOP) for a in angle]
+    ops.incision_add(points=co(ring), time=1, closed=True, name="lesion")
+    assert ops.flap_limberg(fit=True, lines="X", time=1) == {"FINISHED"}
+    found = {event.name: event for event in events(patch)}
+    assert "lesion" not in found
+    excision = found["excision"]
+    assert isinstance(excision, Excision)
+    assert excision.seeds[0] == pytest.approx((-10.0, 5.0, TOP), abs=0.1)
+    outline = np.array(found["defect"].points)
+    side = 2.0 * 6.0 / np.sin(np.radians(60.0))  # of a rhombus of 60 degrees around the circle
+    assert np.ptp(outline[:, 1]) == pytest.approx(side * np.sqrt(3.0), rel=0.01)
+
+
+def test_a_flap_without_an_active_outline_is_refused_and_nothing_changes(patch: bpy.types.Scene) -> None:
+    ops.landmark_add(point=(5, 5, TOP), label="here")
+    assert refusal_code(lambda: ops.flap_limberg(fit=True, time=1)) == ProblemCode.DESIGN_DEFECT_UNKNOWN
+    assert len(patch.lappet.events) == 1

@@ -152,6 +152,11 @@ class Drawn:
     def menu(self, name: str, **_: object) -> None:
         getattr(bpy.types, name).draw(SimpleNamespace(layout=self), bpy.context)
 
+    def popover(self, name: str, text: str, icon: str) -> None:
+        assert hasattr(bpy.types, name)
+        assert icon in bpy.types.UILayout.bl_rna.functions["popover"].parameters["icon"].enum_items
+        self.log.append(("popover", text))
+
     def template_list(self, *_: object, **__: object) -> None:
         self.log.append(("list", ""))
 
@@ -165,10 +170,16 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
     ops.suture_add(first=(0, 1, TOP), second=(0, -1, TOP), start=5, duration=4)
     ops.landmark_add(point=(5, 5, TOP), label="here")
     assert timeline_panel.time_order(pulled) == [1, 3, 4, 2, 0]
+    edges = [[{"name": "", "co": (x, y, TOP)} for x in (-3, 3)] for y in (2, -2)]
+    ops.suture_run(first_edge=edges[0], second_edge=edges[1], start=6, duration=4, spacing=2)
     expected = {
         "incision_1": {"moment", "through", "depth", "kerf", "closed", "basis"},
         "hook_1": {"moment", "end", "target", "stiffness"},
         "suture_1": {"moment", "duration", "mode", "pull_through"},
+        "suture_run_1": {
+            *("moment", "duration", "spacing", "pattern", "order", "margin", "bite", "mode", "pull_through", "sewn_in"),
+            *("depth", "between"),
+        },
         "landmark_1": {"label"},
     }
     for name, fields in expected.items():
@@ -177,7 +188,7 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
         panel = SimpleNamespace(layout=Drawn(log))
         timeline_panel.LAPPET_PT_timeline.draw(panel, bpy.context)
         assert {field for what, field in log if what == "prop"} == fields | {"title"}
-        assert log.count(("operator", "wm.tool_set_by_id")) == 7, "a tool for every kind"
+        assert log.count(("operator", "wm.tool_set_by_id")) == 8, "a tool for every kind"
         row: list[tuple[str, str]] = []
         timeline_panel.LAPPET_UL_events.draw_item(
             SimpleNamespace(), bpy.context, Drawn(row), None, pulled.lappet.events[name], 0, None, ""

@@ -127,7 +127,7 @@ def test_the_button_and_the_command_give_the_same_frames_bit_for_bit(slit: bpy.t
     assert not any(frame["cache_hit"] for frame in json.loads(report.read_text())["frames"])
     assert headless(POINTS, cache) == headless(POINTS, tmp_path / "own.usdc")
 
-    slit.lappet.events["suture_1"].moment = 5.0
+    slit.lappet.events["suture_run_1"].moment = 5.0
     assert refusal(lambda: ops.export_cache(filepath=str(cache))).code is ProblemCode.FRAMES_NOT_SOLVED
 
 

@@ -73,6 +73,8 @@ def test_any_other_error_is_not_hidden() -> None:
 def test_a_prim_is_named_by_its_own_name_and_a_name_is_not_said_twice() -> None:
     of_prim = problem(ProblemCode.SUTURE_OF_ONE_POINT, "/Procedure/Timeline/suture_1", "(0, 0, 0)", points="point")
     assert problem_sentence(of_prim).startswith("suture_1: ")
+    of_stitch = problem(ProblemCode.SUTURE_TWICE, "/Procedure/Timeline/wound/skin/3", "(0, 0, 0)", other="suture_1")
+    assert problem_sentence(of_stitch).startswith("wound/skin/3: ")
     assert problem_sentence(problem(ProblemCode.OBJECT_LOCAL, "nose")).count("nose") == 1
 
 

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 import lappet_blender
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
+from lappet_blender.events.run_preview import stitches_of
 from lappet_blender.tools import registration, toolbar
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools.click_tool import next_label
@@ -268,13 +269,17 @@ def test_every_tool_runs_from_python_and_is_one_event_of_the_timeline(scene: bpy
     assert (events[-1].kind, events[-1].duration) == ("SUTURE", 4.0)
     before = len(events)
     ops.place_suture(incision=cut.name, spacing=4.0)
-    assert [event.kind for event in events[before:]] == ["SUTURE"] * 4  # 16 mm, one in 4 mm
+    assert [event.kind for event in events[before:]] == ["SUTURE_RUN"]
+    assert len(stitches_of(scene, events[-1])) == 4  # 16 mm, one in 4 mm
     before = len(events)
     edges = {"first": points((-8, 0.5, 0), (8, 0.5, 0)), "second": points((8, -0.5, 0), (-8, -0.5, 0))}
     ops.place_suture(**edges, count=3)  # the second edge was clicked the other way round
-    run = [[tuple(point.co) for point in event.points] for event in events[before:]]
+    assert len(events) == before + 1
+    run = [stitch.anchors for stitch in stitches_of(scene, events[-1])]
     assert len(run) == 3
-    assert all(abs(a[0] - b[0]) < 1e-4 for a, b in run)
+    assert all(abs(a[0] - b[0]) < 1e-3 for a, b in run)
+    ops.place_suture(**edges, count=3, single=True)
+    assert [event.kind for event in events[-3:]] == ["SUTURE"] * 3
     ops.place_landmark(point=(4, 4, 0))
     ops.place_landmark(point=(6, 4, 0))
     assert [event.label for event in events[-2:]] == ["A", "B"]
@@ -315,9 +320,10 @@ def test_a_running_suture_is_one_thread_through_all_places_of_a_run(scene: bpy.t
     edges = {"first": points((-8, 0.5, 0), (8, 0.5, 0)), "second": points((8, -0.5, 0), (-8, -0.5, 0))}
     bpy.ops.lappet.place_suture(**edges, count=3, shape="RUNNING")
     assert len(scene.lappet.events) == before + 1
-    places = np.array([point.co for point in scene.lappet.events[-1].points])
+    (thread,) = stitches_of(scene, scene.lappet.events[-1])
+    places = np.array(thread.anchors)
     assert len(places) == 3 * 4
-    assert np.allclose(np.abs(places[:, 1]), 4.5, atol=1e-5)
+    assert np.allclose(np.abs(places[:, 1]), 4.5, atol=1e-3)
     assert (np.diff(places[::4, 0]) > 4.0).all()
 
 

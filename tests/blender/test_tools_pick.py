@@ -13,6 +13,7 @@ from mathutils import Matrix, Vector
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools.fragment import fragment_of
 from lappet_blender.tools.handles import TARGET, handles_of, nearest_handle
+from lappet_blender.tools.plan_lines import plan_key
 from lappet_blender.tools.plan_overlay import plan_lines
 from lappet_blender.tools.rest_line import beside, line_length, rest_line, rest_samples, segment_at, world_runs
 from lappet_blender.tools.skin_pick import pick_along_ray
@@ -257,6 +258,28 @@ def test_the_plan_is_dashed_before_its_time_and_on_both_lips_after_it(scene: bpy
     assert (np.abs(points[:, 1]) > 0.1).all()  # beside the cut, none in it
     cut.enabled = False
     assert all(color[3] < 0.5 for color, _ in plan_lines(scene, surface).segments)
+
+
+def test_the_plan_shows_every_stitch_of_a_run_and_other_ones_when_its_spacing_changes(scene: bpy.types.Scene) -> None:
+    flat_tissue(scene)
+    edges = [[{"name": "", "co": (x, y, 0.0)} for x in (-8.0, 8.0)] for y in (0.5, -0.5)]
+    bpy.ops.lappet.suture_run(first_edge=edges[0], second_edge=edges[1], spacing=4.0, start=1)
+    surface = shown.shown_surface(scene)
+    assert surface is not None
+    (run,) = scene.lappet.events
+
+    def across() -> list[float]:
+        """Where threads run from one edge to the other."""
+        pieces = [p for drawn in plan_lines(scene, surface).segments.values() for p in drawn]
+        points = np.concatenate(pieces).reshape(-1, 2, 3)
+        crossing = points[np.abs(points[:, 0, 1] - points[:, 1, 1]) > 0.9]
+        return sorted(set(np.round(crossing[:, 0, 0], 2).tolist()))
+
+    assert across() == [-6.0, -2.0, 2.0, 6.0]
+    before = plan_key(scene)
+    run.spacing = 5.0
+    assert plan_key(scene) != before
+    assert len(across()) == 3
 
 
 def test_a_fragment_is_what_hangs_together(scene: bpy.types.Scene) -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from lappet.commands.cli import cli
 from lappet.designs.library import DESIGNS
-from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
+from lappet.procedure import Excision, Hook, Incision, Landmark, Material, Procedure, SutureRun
 from lappet.tissue.dome import dome_scalp
+from lappet.tissue.patch import flat_patch
 from lappet.usd.stage import read_procedure, write_procedure
 
 
@@ -48,7 +50,16 @@ def test_a_design_without_a_procedure_comes_on_a_patch_of_its_own(tmp_path: Path
     assert result.exit_code == 0, result.output
     procedure = read_procedure(tmp_path / "p.usda")
     assert procedure.tissue.spacing == 2.0
-    assert {Incision, Hook, Suture, Landmark} <= {type(event) for event in procedure.events}
+    assert {Incision, Hook, SutureRun, Landmark} <= {type(event) for event in procedure.events}
+
+
+def test_a_flap_on_a_narrow_base_is_written_with_a_warning(tmp_path: Path) -> None:
+    result = run("add", "u-plasty", "-o", tmp_path / "p.usda", "--set", "length=4", "--spacing", 2)
+    assert result.exit_code == 0
+    assert (tmp_path / "p.usda").exists()
+    assert "more than 3:1" in result.stderr
+    assert "warning" in result.stderr
+    assert run("add", "u-plasty", "-o", tmp_path / "p.usda", "--spacing", 2).stderr == ""
 
 
 def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path, tmp_path: Path) -> None:
@@ -66,7 +77,7 @@ def test_a_design_is_laid_at_a_landmark_across_the_lines_of_the_skin(dome: Path,
     ("options", "status", "said"),
     [
         (("limberg", "--at", 0, 0, 90), 2, "--direction"),
-        (("limberg", "--at", 0, 0, 90, "--landmark", "lesion"), 2, "not both"),
+        (("limberg", "--at", 0, 0, 90, "--landmark", "lesion"), 2, "Give one of"),
         (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--lines", "along"), 2, "not both"),
         (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--set", "side"), 2, "NAME=VALUE"),
         (("limberg", "--at", 0, 0, 90, "--direction", 1, 0, 0, "--set", "side=1000"), 1, "side"),
@@ -89,3 +100,40 @@ def test_a_place_needs_a_procedure(tmp_path: Path) -> None:
     result = run("add", "limberg", "-o", tmp_path / "p.usda", "--at", 0, 0, 4)
     assert result.exit_code == 2
     assert "PROCEDURE" in result.output
+
+
+def test_the_plan_of_a_design_is_drawn_with_the_corners_that_meet(tmp_path: Path) -> None:
+    result = run("show", "limberg", "--picture", tmp_path / "plan.svg", "--set", "side=20")
+    assert result.exit_code == 0, result.output
+    assert "In the end meet: " in result.stdout
+    assert (tmp_path / "plan.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert "plan.txt is no .svg, .pdf or .png file." in run("show", "limberg", "--picture", "plan.txt").output
+
+
+def test_a_flap_is_as_large_as_a_drawn_defect_and_takes_its_place(tmp_path: Path) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    ring = np.column_stack([3.0 + 6.0 * np.cos(angle), -2.0 + 6.0 * np.sin(angle), np.full(32, 4.0)])
+    lesion = Incision("lesion", 2.0, tuple(map(tuple, ring.tolist())), closed=True)
+    tissue = flat_patch((90.0, 90.0, 4.0))
+    write_procedure(Procedure(tissue, (Material("skin"),), events=(lesion,), end_time=2), tmp_path / "drawn.usda")
+    result = run(
+        "add",
+        "limberg",
+        tmp_path / "drawn.usda",
+        "-o",
+        tmp_path / "p.usda",
+        "--defect",
+        "lesion",
+        "--direction",
+        1,
+        0,
+        0,
+    )
+    assert result.exit_code == 0, result.output
+    assert "Lengths: side 13.8" in result.stdout
+    procedure = read_procedure(tmp_path / "p.usda")
+    (excision,) = [event for event in procedure.events if isinstance(event, Excision)]
+    assert excision.seeds[0] == pytest.approx((3.0, -2.0, 4.0), abs=0.1)
+    assert "lesion" not in [event.name for event in procedure.events]
+    twice = run("add", "limberg", tmp_path / "drawn.usda", "-o", "x.usda", "--defect", "lesion", "--at", 0, 0, 4)
+    assert twice.exit_code == 2

@@ -20,8 +20,9 @@ from lappet.designs.library_operation import (
     skin_line_direction,
     thickness_at,
 )
-from lappet.designs.transposition import sutures
-from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, SkinLine, Suture
+from lappet.designs.seam_sutures import sutures
+from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, SkinLine, Suture, SutureRun
+from lappet.suturing import with_single_sutures
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.skin_sheet import SkinSheet
@@ -106,12 +107,20 @@ def test_seams_use_every_cut_on_both_its_sides(name: str) -> None:
 
 
 def _base(design: FlapDesign, name: str) -> float:
-    """Length of a Burow's triangle's base, which lies on a lip and is counted as lip and as rim, or 0."""
+    """Length of what is excised beside a lip and not sewn, counted half as its own rim and half as the lip, or 0."""
     seams = {seam.name: seam for seam in design.seams}
     if name not in seams or name == "defect":
         return 0.0
     first, second = (np.array(edge.points[0]) for edge in seams[name].edges)
-    return float(np.linalg.norm(first - second))
+    (cut,) = (cut for cut in design.excised if cut.name == name)
+    if not cut.late:
+        return float(np.linalg.norm(first - second))
+    whole = length(np.array([*cut.outline, cut.outline[0]]))
+    unsewn = whole - sum(length(np.array(edge.points)) for edge in seams[name].edges)
+    rim = np.array(design.excised[0].outline)  # a dog-ear's base is a part of the defect's rim
+    ends = sorted(int(np.linalg.norm(rim - end, axis=1).argmin()) for end in (first, second))
+    along = length(rim[ends[0] : ends[1] + 1])
+    return 0.5 * (unsewn + min(along, length(np.vstack([rim, rim[:1]])) - along))
 
 
 @EVERY
@@ -141,7 +150,8 @@ def test_the_operation_of_a_design_at_its_defaults_has_no_problem(name: str) -> 
     assert [str(each) for each in check(procedure) if each.severity == "error"] == []
     kinds = {type(event) for event in procedure.events}
     design = drawn(name)
-    assert Suture in kinds
+    assert SutureRun in kinds
+    assert Suture not in kinds
     assert (Excision in kinds) == bool(design.excised)
     hooks = [event for event in procedure.events if isinstance(event, Hook)]
     assert len(hooks) == len(design.carries)
@@ -278,7 +288,7 @@ def test_sutures_of_a_design_lie_in_tissue_that_is_left(name: str) -> None:
     procedure = flap_on_patch(name, spacing=2.0)
     design = drawn(name)
     skin = SkinSheet.of(procedure.tissue)
-    for event in procedure.events:
+    for event in with_single_sutures(procedure).events:
         if isinstance(event, Suture):
             for anchor in event.anchors:
                 at = skin.place([anchor])[0][:2]

@@ -128,7 +128,7 @@ def test_a_loop_at_the_end_of_a_cut_is_not_resolved_where_a_stitch_of_two_bites_
     program = compile_program(procedure, settings=SolverSettings(spacing=2.0))
     frame = last_frame(program, tmp_path)
     assert len(frame.suture_shared) == 2 * 4 + 2
-    rows = {row.suture: row.resolved for row in suture_forces(procedure, program, frame)}
+    rows = {row.suture: row.resolved for row in suture_forces(program, frame)}
     assert rows == {"loop_0": True, "loop_1": False, "plain_0": True, "plain_1": False}
     index = [program.sutures[i] for i in frame.suture_index].index("loop_1")
     down, across, up, over = frame.suture_shared[4 * index : 4 * index + 4]

@@ -58,7 +58,7 @@ def frame_of(procedure: Procedure, folder: Path) -> tuple[Program, SolvedFrame]:
 
 def forces_of(procedure: Procedure, folder: Path) -> dict[str, float]:
     """The forces (mN) of the sutures that the lattice resolves."""
-    rows = suture_forces(procedure, *frame_of(procedure, folder))
+    rows = suture_forces(*frame_of(procedure, folder))
     return {row.suture: row.force_mn for row in rows if row.resolved}
 
 

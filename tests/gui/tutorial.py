@@ -214,8 +214,8 @@ def hooks(blender: Driver) -> Steps:
 
 
 def sew(blender: Driver, height: float, picture: str) -> Steps:
-    """Three runs of six sutures."""
-    before = len(events("SUTURE"))
+    """Three runs of six stitches."""
+    before = len(events("SUTURE_RUN"))
     yield from blender.set_tool("lappet.suture")
     setting("lappet.place_suture", mode="RUN", count=6, duration=10.0)
     yield 0.3
@@ -227,8 +227,8 @@ def sew(blender: Driver, height: float, picture: str) -> Steps:
                 yield from blender.screenshot(picture)
             yield from blender.key("RET")
             yield 0.3
-    made = len(events("SUTURE")) - before
-    blender.expect(made == 18, f"three runs are {made} sutures")
+    made = len(events("SUTURE_RUN")) - before
+    blender.expect(made == 3, f"three seams are {made} runs")
 
 
 def places(blender: Driver, height: float, name: str) -> Steps:
@@ -327,7 +327,7 @@ def compared(blender: Driver) -> Steps:
     yield 1.0
     variant = bpy.context.window.scene
     blender.expect(variant.name == "No deep row", f"the window is in the variant {variant.name}")
-    for event in [e for e in variant.lappet.events if e.kind == "SUTURE"][:18]:
+    for event in [e for e in variant.lappet.events if e.kind == "SUTURE_RUN"][:3]:
         event.enabled = False
     yield from solve(blender)
     for name in ("Timeline", "Solve", "Compare"):

@@ -25,7 +25,7 @@ def result(folder: Path, solver: FakeSolver, procedure: Any = None) -> SolveResu
     procedure = procedure or small_procedure()
     program = compile_program(procedure)
     found = solve_program(program, FrameStore(folder), solver.connect, "fake", SolveObserver())
-    gauges = Gauges(procedure, program)
+    gauges = Gauges(program)
     measures = tuple(gauges.measure(frame.solved, tension=True) for frame in found.frames)
     return SolveResult(
         procedure, program, found.frames, found.reason, found.interrupted, found.failed, measures=measures

@@ -66,7 +66,7 @@ def write(output: Path, below: Path, procedure: Procedure, program: Program, fra
 
 
 def measured(procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> list[FrameMeasures]:
-    gauges = Gauges(procedure, program)
+    gauges = Gauges(program)
     return [gauges.measure(frame) for frame in frames]
 
 

@@ -23,7 +23,7 @@ from lappet.procedure import (
     Traction,
     Undermine,
 )
-from lappet.procedure.events import describe
+from lappet.procedure.event_text import describe
 from lappet.procedure.scene_profile import measured_costs, profile_lines, scene_profile, scene_reasons
 from lappet.procedure.storyboard import inspection
 from lappet.tissue.patch import flat_patch
@@ -169,3 +169,10 @@ def test_broken_procedures_have_a_storyboard_too() -> None:
     odd = odd.with_events(Hook("empty", (float("nan"), 0, 0), (), float("inf"), 0.0), Retractor("r", "", (), 0.0, 0.0))
     assert "0 frames" in repr(odd)
     assert "empty" in repr(odd)
+
+
+def test_a_landmark_of_many_points_says_how_many_and_where_they_begin() -> None:
+    few = Landmark("lips", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0)), "lips")
+    assert describe(few) == "'lips' at (1, 0, 0) and (2, 0, 0)"
+    many = Landmark("edge", tuple((float(k), 0.0, 0.0) for k in range(18)), "edge")
+    assert describe(many) == "'edge' at 18 points from (0, 0, 0)"

@@ -46,7 +46,9 @@ def test_the_page_names_every_design_and_shows_the_numbers_of_those_that_were_so
             assert f"`{parameter.name}`" in page
     assert "24 of 24" in page
     assert page.count("not solved") == len(DESIGNS) - 1
-    assert page.count("](images/flaps/") == 1
+    assert page.count(".jpg)") == 1
+    for name in DESIGNS:
+        assert f"](images/flaps/{name}_plan.svg)" in page
 
 
 def test_a_design_that_the_library_does_not_have_is_refused_before_anything_is_solved(tmp_path: Path) -> None:

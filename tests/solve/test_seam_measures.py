@@ -47,7 +47,7 @@ def states(
     program = compiled(procedure)
     last = program.frames[-1]
     points = move(program.epochs[last.epoch].surface.points.copy()).astype(np.float32)
-    return SeamGauges(procedure, program).measure(SolvedFrame(last.time, points), forces)
+    return SeamGauges(program).measure(SolvedFrame(last.time, points), forces)
 
 
 def measures(
@@ -210,7 +210,7 @@ def test_before_the_cut_there_is_no_seam_and_before_the_sutures_there_is() -> No
     frames = [
         SolvedFrame(each.time, program.epochs[each.epoch].surface.points.astype(np.float32)) for each in program.frames
     ]
-    gauges = SeamGauges(procedure, program)
+    gauges = SeamGauges(program)
     found = [state for frame in frames for state in gauges.measure(frame, [])]
     assert [state.measure.time for state in found] == [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
 

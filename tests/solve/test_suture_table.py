@@ -13,7 +13,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.tables import write_table
-from lappet.procedure import Incision, Procedure, Suture
+from lappet.procedure import Incision, Suture
 from lappet.procedure.stitches import Station, running, simple
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
@@ -57,23 +57,21 @@ def test_a_thread_that_turns_back_may_cut_through_with_half_the_tension() -> Non
         suture_inner_bites=np.ones(1, np.int32),
         inner_bite_points=np.array([bites[1]]),
     )
-    program = Program((), (), SolverSettings(), sutures=("running",))
-    (row,) = suture_forces(small_procedure(events=(thread,)), program, solved)
+    program = Program((), (), SolverSettings(), stitches=(thread,))
+    (row,) = suture_forces(program, solved)
     assert row.force_mn == 900.0
     assert row.apart_mm == pytest.approx(2.0 + np.sqrt(5.0))
     turn = np.linalg.norm(np.array([0.0, -1.0]) + np.array([1.0, -2.0]) / np.sqrt(5.0))
     assert row.bite_mn == pytest.approx(900.0 * turn, rel=1e-6)
-    (warning,) = suture_warnings(small_procedure(events=(thread,)), [row])
+    (warning,) = suture_warnings(program, [row])
     assert (warning.code, warning.value) == (ProblemCode.SUTURE_PULLS_THROUGH, f"{row.bite_mn:.4g}")
 
 
-def frame(shared: dict[str, float]) -> tuple[Procedure, Program, SolvedFrame]:
-    procedure = small_procedure(events=SEWN)
-    program = Program((), (), SolverSettings(), sutures=tuple(suture.name for suture in SEWN))
+def frame(shared: dict[str, float]) -> tuple[Program, SolvedFrame]:
+    program = Program((), (), SolverSettings(), stitches=SEWN)
     ends = np.array([suture.anchors for suture in SEWN])
     ends[:, :, 1] *= 0.25
     return (
-        procedure,
         program,
         SolvedFrame(
             7.0,
@@ -129,11 +127,11 @@ def test_the_closing_tension_is_the_pull_per_length_of_scar_and_closures_over_ea
 
 
 def test_a_suture_that_the_lattice_does_not_resolve_is_in_no_sum_and_said() -> None:
-    procedure, program, solved = frame({"near_10": 0.6, "donor_1": 0.05})
-    rows = suture_forces(procedure, program, solved)
+    program, solved = frame({"near_10": 0.6, "donor_1": 0.05})
+    rows = suture_forces(program, solved)
     found = force_sums(rows)
     assert (found.total_mn, found.greatest_mn, found.unresolved) == (50.0, 20.0, ("near_10",))
-    (warning,) = suture_warnings(procedure, rows)
+    (warning,) = suture_warnings(program, rows)
     assert (warning.code, warning.prim) == (ProblemCode.SUTURE_UNRESOLVED, "/Procedure/Timeline/near_10")
     assert warning.severity == "warning"
     assert warning.place is not None
@@ -159,7 +157,7 @@ def test_a_thread_counts_by_the_pieces_that_cross_the_wound_and_is_resolved_wher
             suture_inner_bites=np.array([3], np.int32),
             inner_bite_points=bites[1:-1],
         )
-        (row,) = suture_forces(procedure, program, solved)
+        (row,) = suture_forces(program, solved)
         return row.resolved
 
     assert resolved(0.0, 0.0, 0.0, 0.0)
@@ -186,7 +184,7 @@ def test_a_loop_draws_the_edges_together_with_every_piece_across_the_wound() -> 
         suture_inner_bites=np.array([len(each.anchors) - 2 for each in threads], np.int32),
         inner_bite_points=np.concatenate([each.anchors[1:-1] for each in threads]),
     )
-    rows = {row.suture: row for row in suture_forces(procedure, program, solved)}
+    rows = {row.suture: row for row in suture_forces(program, solved)}
     across = 2.0 + 0.1
     askew = across / np.hypot(across, 3.0)
     assert rows["loop"].pull_mn == pytest.approx(2.0 * 30.0, rel=1e-6)
@@ -195,12 +193,12 @@ def test_a_loop_draws_the_edges_together_with_every_piece_across_the_wound() -> 
 
 
 def test_a_thread_that_may_cut_through_is_warned_of_once() -> None:
-    procedure, program, solved = frame({})
+    program, solved = frame({})
     events = tuple(replace(suture, pull_through=30.0) for suture in SEWN)
-    procedure = replace(procedure, events=events)
-    rows = suture_forces(procedure, program, solved)
-    later = suture_forces(procedure, program, replace(solved, time=8.0, suture_forces=0.9 * solved.suture_forces))
-    (warning,) = suture_warnings(procedure, [*rows, *later])
+    program = replace(program, stitches=events)
+    rows = suture_forces(program, solved)
+    later = suture_forces(program, replace(solved, time=8.0, suture_forces=0.9 * solved.suture_forces))
+    (warning,) = suture_warnings(program, [*rows, *later])
     assert warning.code == ProblemCode.SUTURE_PULLS_THROUGH
     assert "50 mN at time 7" in warning.message
     assert "30 mN" in warning.message

@@ -29,6 +29,8 @@ from lappet.procedure import (
     Roller,
     Section,
     Suture,
+    SutureLayer,
+    SutureRun,
     Tissue,
     Traction,
     Vessel,
@@ -168,13 +170,31 @@ def test_a_region_that_has_no_subset_or_shares_one_cannot_be_written(tmp_path: P
 def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Path) -> None:
     ends = ((0, -1.3, 2), (0, 1.3, 2))
     thread = Suture("stitch", ends, 6.0, 1.0, 50.0, "thread", "nylon 5-0", 1.5, 300.0, 900.0)
-    events = tuple(thread if event.name == "stitch" else event for event in _layered().events)
+    run = SutureRun(
+        "run",
+        (((-2, 1, 2), (0, 1, 2), (2, 1, 2)), ((-2, -1, 2), (2, -1, 2))),
+        6.0,
+        corners=((2, 1),),
+        margin=0.5,
+        bite=0.1,
+        layers=(SutureLayer("deep", 1.5), SutureLayer("skin", between=True)),
+        pattern="running",
+        pass_depth=1.0,
+        mode="thread",
+        thread="silk 4-0",
+        drawn=0.8,
+        tension=300.0,
+        pull_through=900.0,
+        insides=(((2, 2, 2), (2, -2, 2)),),
+    )
+    events = (*(thread if event.name == "stitch" else event for event in _layered().events), run)
     write_procedure(replace(_layered(), events=events), tmp_path / "p.usda")
     stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
     registry = pxr().Usd.SchemaRegistry()
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}
     expected |= {"Timeline/stitch": "Suture", "Timeline/tip": "Landmark", "Materials/skin": "Material"}
     expected |= {"Timeline/push": "Traction", "Timeline/air": "Pressure", "Timeline/across": "Section"}
+    expected |= {"Timeline/run": "SutureRun"}
     expected |= {"Tissue/cheek": "Region", "Tissue/plane": "Roller"}
     unlike_0_1 = (
         "lappet:gravityDirection",
@@ -226,6 +246,7 @@ def test_the_schema_falls_back_to_the_defaults_of_the_dataclasses() -> None:
         ("LappetIncisionAPI", Incision, {}),
         ("LappetHookAPI", Hook, {}),
         ("LappetSutureAPI", Suture, {}),
+        ("LappetSutureRunAPI", SutureRun, {"layers": "-"}),
         ("LappetVesselAPI", Vessel, {}),
     ]
     compared = 0

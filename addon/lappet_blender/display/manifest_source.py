@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
 import bpy
@@ -16,8 +17,9 @@ from lappet.geometry.curve import sample_curve
 from lappet.procedure.events import Basis
 from lappet.solve.bite_forces import bite_points
 
+from ..events.run_preview import stitches_of
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands, VesselLine
-from ..model.event_kinds import BASIS_OF
+from ..model.event_kinds import BASIS_OF, HOLD_KINDS, SEWN_KINDS
 
 Lookup = Callable[[int], SolvedFrame | None]
 _COURSE = 5  # frames that tell where a hook goes
@@ -59,7 +61,12 @@ class ManifestSource:
             for e in scene.lappet.events
             if e.kind == "SUTURE"
         }
-        self._events = tuple(sorted((_step(e) for e in scene.lappet.events if e.enabled), key=lambda e: e.start))
+        for e in scene.lappet.events:
+            if e.kind == "SUTURE_RUN":
+                self._anchors |= {s.name: np.array(s.anchors, np.float32) for s in stitches_of(scene, e)}
+        stitches = Counter(name.partition("/")[0] for name in self.manifest.sutures)
+        steps = (_step(e, stitches[e.name]) for e in scene.lappet.events if e.enabled)
+        self._events = tuple(sorted(steps, key=lambda e: e.start))
 
     def at(self, time: float, shape: EpochShape, frame: SolvedFrame | None) -> None:
         """From now on a time shows this epoch and frame, whatever the store holds (live frames, stand-ins)."""
@@ -256,8 +263,8 @@ def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], Ba
     return event.kind, points, BASIS_OF[event.basis], event.closed or event.kind == "UNDERMINE"
 
 
-def _step(event: bpy.types.PropertyGroup) -> StepEvent:
-    end = event.start + (event.duration if event.kind == "SUTURE" else 0.0)
-    return StepEvent(
-        event.kind.capitalize(), event.name, event.start, event.end if event.kind in ("HOOK", "RETRACTOR") else end
-    )
+def _step(event: bpy.types.PropertyGroup, stitches: int) -> StepEvent:
+    sewn = event.kind in SEWN_KINDS
+    end = event.end if event.kind in HOLD_KINDS else event.start + (event.duration if sewn else 0.0)
+    kind = "Suture" if sewn else event.kind.capitalize()
+    return StepEvent(kind, event.name, event.start, end, stitches if event.kind == "SUTURE_RUN" else 1)

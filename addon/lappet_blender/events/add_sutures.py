@@ -79,7 +79,7 @@ def add_stitches(
     add_events(scene, sutures)
 
 
-def add_suture_run(
+def add_single_sutures(
     scene: bpy.types.Scene, ends: Ends, times: SutureTimes, *, depth: float = 0.0, name: str = ""
 ) -> None:
     """Add sutures between pairs of points (k, 3) at rest, mm. name: of the first; the others are counted up."""

@@ -12,6 +12,7 @@ from ..model.changes import changed
 from ..model.event_list import add_event, event_index, event_time, find_event, move_event, set_points, target_name
 from ..model.event_target import copy_target, is_there
 from ..model.event_values import event_value
+from ..model.suture_run_values import run_corners, run_insides, run_layers, set_corners, set_layers
 from ..model.tissue_values import tissue_value
 from .event_check import check_events
 
@@ -33,6 +34,16 @@ _COPIED = (
     "pull_through",
     "grip",
     "label",
+    "second_from",
+    "first_left",
+    "second_left",
+    "spacing",
+    "margin",
+    "bite",
+    "pattern",
+    "pass_depth",
+    "order",
+    "drawn",
 )
 
 
@@ -70,11 +81,14 @@ def duplicate_event(scene: bpy.types.Scene, source: Any, shift: float = 0.0) -> 
     uid, target = source.uid, source.target
     fields = {field: getattr(source, field) for field in _COPIED}
     points = [tuple(point.co) for point in source.points]
+    corners, insides, layers = run_corners(source), run_insides(source), run_layers(source)
     named = not source.name.startswith(f"{source.kind.lower()}_")
     fresh = add_event(scene, source.kind, source.name if named else "", **fields)
     if fresh.kind == "LANDMARK":
         fresh.label = fresh.name  # reports tell landmarks apart by their labels
     set_points(fresh, points)
+    set_corners(fresh, corners, insides)
+    set_layers(fresh, layers)
     if target is not None:
         fresh.target = copy_target(scene, target, fresh.uid)
         fresh.target.name = target_name(fresh.name)

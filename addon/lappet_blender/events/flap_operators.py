@@ -1,15 +1,17 @@
-"""An operator for each design of the flap library, which adds the whole operation; and their menu."""
+"""An operator for each design of the flap library, which adds the whole operation; their menu, and them as pictures."""
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 from numpy.typing import NDArray
 
+from lappet.checks.narrow_flaps import narrow_flaps
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.fitted_design import fit_to_defect, marked_defect, without_drawn
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.designs.library_operation import add_flap, skin_line_direction
@@ -17,10 +19,13 @@ from lappet.procedure import Procedure
 from lappet.tissue.skin_sheet import SkinSheet
 
 from ..interface.operator_base import OperatorBase
+from ..interface.problem_sentence import problem_sentence
+from ..model.event_list import find_event, remove_event
 from ..model.scene_procedure import read_scene
 from ..model.units import to_mm
 from .add_events import add_events
 from .event_check import tissue_of
+from .flap_thumbnails import thumbnail
 from .operator_values import given
 
 _DIRECTIONS = (
@@ -28,15 +33,18 @@ _DIRECTIONS = (
     ("ACROSS", "Across Skin Lines", "Square to the lines of the skin"),
     ("X", "Scene X", "Along the scene's x axis, as far as the skin has that direction"),
 )
+_COLUMNS = 5  # of the library
 
 
 class _FlapAdd(OperatorBase):
     """What all the operators share: where a design lies, how it is turned, and when it is done."""
 
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "PRESET"}
     edits_procedure = True
     design: LibraryDesign
     at: Any
     lines: str
+    fit: bool
     turned: float
     mirrored: bool
 
@@ -47,14 +55,18 @@ class _FlapAdd(OperatorBase):
         if reading.procedure is None:
             raise RefusedError([each for each in reading.problems if each.severity == "error"])
         procedure = reading.procedure
-        at = self.at if self.properties.is_property_set("at") else to_mm(scene, scene.cursor.location)
-        on_skin, normals = SkinSheet.of(tissue).at(at)
-        direction = _turned(self._direction(procedure, on_skin[0]), normals[0], self.turned)
+        outline = _active_name(scene) if self.fit else ""
+        drawn = marked_defect(procedure, outline) if self.fit else None
+        at = to_mm(scene, scene.cursor.location) if drawn is None else drawn.mean(axis=0)
+        on_skin, normals = SkinSheet.of(tissue).at(self.at if self.properties.is_property_set("at") else at)
+        place = on_skin[0]
+        direction = _turned(self._direction(procedure, place), normals[0], self.turned)
         measures = {each.name: float(getattr(self, each.name)) for each in self.design.parameters}
+        if drawn is not None:
+            fitted = fit_to_defect(tissue, self.design.name, drawn, direction, measures, mirrored=self.mirrored)
+            place, measures = np.array(fitted.at), fitted.values
         start = given(self, "time", scene.frame_current)
-        flap = add_flap(
-            procedure, self.design.name, on_skin[0], direction, measures, mirrored=self.mirrored, start=start
-        )
+        flap = add_flap(procedure, self.design.name, place, direction, measures, mirrored=self.mirrored, start=start)
         before = len(procedure.events)
         last = scene.frame_end
         scene.frame_end = max(last, math.ceil(flap.end_time))
@@ -63,6 +75,10 @@ class _FlapAdd(OperatorBase):
         except RefusedError:
             scene.frame_end = last
             raise
+        if drawn is not None:
+            _take_away(scene, procedure, without_drawn(procedure, outline))
+        for found in narrow_flaps(flap, set()):
+            self.report({"WARNING"}, problem_sentence(found))
         return f"{self.design.title}: {len(flap.events) - before} events."
 
     def _direction(self, procedure: Procedure, at: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -75,6 +91,19 @@ class _FlapAdd(OperatorBase):
             if self.properties.is_property_set("lines") or refused.problems[0].code != ProblemCode.DESIGN_NO_LINES:
                 raise
             return np.array([1.0, 0.0, 0.0])
+
+
+def _active_name(scene: bpy.types.Scene) -> str:
+    events, active = scene.lappet.events, scene.lappet.active_event
+    return str(events[active].name) if 0 <= active < len(events) else ""
+
+
+def _take_away(scene: bpy.types.Scene, procedure: Procedure, left: Procedure) -> None:
+    """Remove the events of a procedure that are not left."""
+    names = {each.name for each in left.events}
+    for each in procedure.events:
+        if each.name not in names and (event := find_event(scene, each.name)) is not None:
+            remove_event(scene, event)
 
 
 def _turned(direction: NDArray[np.float64], normal: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -111,6 +140,10 @@ def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
             default="ACROSS" if design.lines == "across" else "ALONG",
         ),
         "turned": FloatProperty(name="Turned", description="Turned in the skin by this angle", subtype="ANGLE"),
+        "fit": BoolProperty(
+            name="Fit to Active Outline",
+            description="Lie where the closed incision or landmark is that is active in the timeline, as large as that",
+        ),
         "mirrored": BoolProperty(name="Mirrored", description="Mirrored about its direction"),
         "time": FloatProperty(name="Frame", description="Before the first cut; if not given, the current frame"),
     }
@@ -129,8 +162,27 @@ class VIEW3D_MT_lappet_flap(bpy.types.Menu):
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.operator_context = "EXEC_DEFAULT"
         for operator in OPERATORS:
-            self.layout.operator(operator.bl_idname)
+            self.layout.operator(operator.bl_idname, icon_value=thumbnail(operator.design.name))
+
+
+class VIEW3D_PT_lappet_flaps(bpy.types.Panel):
+    """The flap library as pictures; opened from the timeline."""
+
+    bl_label = "Flap Library"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_ui_units_x = 34
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.label(text="At the 3D cursor, from the current frame on; F9 changes its measures.")
+        grid = layout.grid_flow(row_major=True, columns=_COLUMNS, even_columns=True, even_rows=True, align=False)
+        grid.operator_context = "EXEC_DEFAULT"
+        for operator in OPERATORS:
+            cell = grid.column(align=True)
+            cell.template_icon(icon_value=thumbnail(operator.design.name), scale=4.5)
+            cell.operator(operator.bl_idname, text=operator.design.title)
 
 
 OPERATORS = tuple(_operator(design) for design in DESIGNS.values())
-CLASSES = (*OPERATORS, VIEW3D_MT_lappet_flap)
+CLASSES = (*OPERATORS, VIEW3D_MT_lappet_flap, VIEW3D_PT_lappet_flaps)

@@ -7,6 +7,7 @@ from . import (
     cut_operators,
     edit_operators,
     flap_operators,
+    flap_thumbnails,
     hold_operators,
     point_operators,
     suture_operators,
@@ -35,4 +36,5 @@ def register() -> None:
 def unregister() -> None:
     """Take it away."""
     add_menu.unregister()
+    flap_thumbnails.unregister()
     target_watch.unregister()

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from bpy.props import EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
+from ..model.event_kinds import ORDERS
 from .stitch_shapes import DRAWN, SHAPES
 
 
@@ -20,4 +21,16 @@ def drawn_property() -> Any:
         default=DRAWN,
         min=0.05,
         max=1.5,
+    )
+
+
+def order_property() -> Any:
+    """Return the property of the order in which the stitches of a run are made."""
+    return EnumProperty(name="Order", description="In which order the stitches are made", items=ORDERS)
+
+
+def single_property() -> Any:
+    """Return the property that asks for an event for each stitch."""
+    return BoolProperty(
+        name="Single Sutures", description="Make an event for each stitch instead of one run", default=False
     )

@@ -1,4 +1,4 @@
-"""Operators that suture: two points, or a run of evenly spaced sutures."""
+"""Operators that suture: two points, or a run along two edges."""
 
 import bpy
 import numpy as np
@@ -7,10 +7,20 @@ from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVect
 from lappet.procedure import Suture
 
 from ..interface.operator_base import OperatorBase
+from ..model.event_kinds import ORDER_OF
 from ..model.event_properties import LappetPoint
-from .add_sutures import Spacing, SutureTimes, add_stitches, add_suture, add_suture_run, ends_across, ends_between
+from .add_suture_run import add_suture_run, edges_along, edges_between
+from .add_sutures import (
+    Spacing,
+    SutureTimes,
+    add_single_sutures,
+    add_stitches,
+    add_suture,
+    ends_across,
+    ends_between,
+)
 from .operator_values import given, places
-from .stitch_properties import drawn_property, shape_property
+from .stitch_properties import drawn_property, order_property, shape_property, single_property
 from .stitch_shapes import Shape
 
 
@@ -54,7 +64,7 @@ class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
-    """Place evenly spaced sutures between two wound edges or across an incision"""
+    """Sew two wound edges, or both walls of an incision, with evenly spaced stitches"""
 
     bl_label = "Run of Sutures"
 
@@ -98,8 +108,11 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
     start: FloatProperty(name="Frame", description="When they are placed; if not given, the current frame")
     duration: FloatProperty(name="Duration", description="Number of frames until they are closed", default=8.0, min=0.0)
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Suture.stiffness, min=0.0)
+    order: order_property()
+    single: single_property()
     name: StringProperty(
-        name="Name", description="Name of the first suture; the others are numbered. If not given, suture"
+        name="Name",
+        description="Name of the run, or of the first of single sutures; others are numbered. If not given, its kind",
     )
 
     def run(self, context: bpy.types.Context) -> None:
@@ -110,6 +123,14 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
         )
         spacing = Spacing(self.count, self.spacing, *insets)
         shape = Shape(self.shape, self.bite, self.depth, self.drawn)
+        if not self.single:
+            if self.incision:
+                edges = edges_along(context.scene, self.incision, self.bite, shape)
+            else:
+                first, second = places(self.first_edge), places(self.second_edge)
+                edges = edges_between(context.scene, first, second, self.flip, shape)
+            add_suture_run(context.scene, edges, times, shape, spacing, order=ORDER_OF[self.order], name=self.name)
+            return
         if self.incision:
             ends = ends_across(context.scene, self.incision, 0.0 if shape.is_loop else self.bite, spacing)
         else:
@@ -117,7 +138,7 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
         if shape.is_loop:
             add_stitches(context.scene, ends, times, shape, name=self.name)
             return
-        add_suture_run(context.scene, ends, times, depth=self.depth, name=self.name)
+        add_single_sutures(context.scene, ends, times, depth=self.depth, name=self.name)
 
 
 CLASSES = (LAPPET_OT_suture_add, LAPPET_OT_suture_run)

@@ -13,7 +13,8 @@ from ..interface.sidebar_panel import SidebarPanel, with_fields
 from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
 from ..model.event_target import is_there
-from ..solving.frames import frame_state, pull_of
+from ..solving.frames import frame_state, pull_of, pulls_of_run
+from .run_preview import stitches_of
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
 STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
@@ -26,6 +27,7 @@ TOOLS = {
     "HOOK": "lappet.hook",
     "RETRACTOR": "lappet.retractor",
     "SUTURE": "lappet.suture",
+    "SUTURE_RUN": "lappet.suture",
     "LANDMARK": "lappet.landmark",
 }
 
@@ -113,6 +115,7 @@ class LAPPET_PT_timeline(SidebarPanel, bpy.types.Panel):
         side.operator("lappet.event_remove", text="", icon="REMOVE")
         side.separator()
         side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
+        layout.popover("VIEW3D_PT_lappet_flaps", text="Flap Library", icon="ASSET_MANAGER")
         if not len(data.events):
             layout.label(text="Draw an incision to start.", icon="INFO")
             return
@@ -159,6 +162,8 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
                 fields.prop(event, "length")
                 fields.prop(event, "tension")
             fields.prop(event, "pull_through")
+        case "SUTURE_RUN":
+            draw_run(fields, scene, event)
         case "LANDMARK":
             fields.prop(event, "label")
     if event.kind in CUT_KINDS and event.kind != "EXCISION":
@@ -166,6 +171,8 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
         fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
     if event.kind in ("HOOK", "SUTURE"):
         _draw_pull(layout, scene, event)
+    elif event.kind == "SUTURE_RUN":
+        _draw_pulls(layout, scene, event)
 
 
 def _draw_pull(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
@@ -177,6 +184,40 @@ def _draw_pull(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
         layout.label(text=f"Pulls with {with_error(pull.force_mn, pull.error_mn)} mN in this frame")
     else:
         layout.label(text="The lattice does not part its ends: no force", icon="ERROR")
+
+
+def draw_run(fields: Any, scene: bpy.types.Scene, event: Any) -> None:
+    """The fields of a suture run."""
+    for name in ("duration", "spacing", "pattern", "order", "margin", "bite"):
+        fields.prop(event, name)
+    if event.pattern == "INTERRUPTED":
+        fields.prop(event, "mode")
+    else:
+        fields.prop(event, "pass_depth")
+    if event.pattern != "INTERRUPTED" or event.mode == "THREAD":
+        fields.prop(event, "thread")
+        if event.thread == "NONE":
+            fields.prop(event, "stiffness")
+        fields.prop(event, "drawn")
+        fields.prop(event, "tension")
+    fields.prop(event, "pull_through")
+    fields.prop(event, "sewn_in")
+    for layer in event.layers:
+        row = fields.row(align=True)
+        row.prop(layer, "depth", text=layer.name.capitalize())
+        row.prop(layer, "between", text="", icon="ALIGN_JUSTIFY")
+    count = len(stitches_of(scene, event))
+    fields.label(text=f"{count} stitch{'es' * (count != 1)}" if count else "It cannot be sewn as it is", icon="INFO")
+
+
+def _draw_pulls(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
+    """What the stitches of a run pull with in the frame that is shown: in all, and the strongest of them."""
+    pulls = pulls_of_run(scene, scene.frame_current, event.name)
+    if pulls:
+        most = max(pulls, key=lambda each: each.force_mn)
+        layout.label(text=f"Pulls with {sum(each.force_mn for each in pulls):.3g} mN in all in this frame")
+        name = most.event.partition("/")[2]
+        layout.label(text=f"Most: {with_error(most.force_mn, most.error_mn)} mN at {name}")
 
 
 CLASSES = (LAPPET_UL_events, LAPPET_MT_event_add, LAPPET_PT_timeline)

@@ -72,7 +72,7 @@ def story_steps(
         halfway = _at_or_after(frames, (begin_closing + closed) / 2)
         if len(steps) < MOST_PANELS - 2 and steps[-1].frame < halfway < closed:
             steps.append(Step(halfway, "Drawn together"))
-        steps.append(Step(closed, "Sutured", _counted(len(sutures), buried)))
+        steps.append(Step(closed, "Sutured", _counted(sum(e.stitches for e in sutures), buried)))
     if not events:
         steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
     steps.append(Step(frames[-1], "Final result"))

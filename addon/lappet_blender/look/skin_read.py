@@ -15,6 +15,7 @@ from lappet.anatomy.tissue_layers import TissueLayers
 from .scenery_read import SceneryMesh, read_scenery
 from .skin_fields import depth_below_skin
 from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands, VesselLine
+from .suture_bites import bites_at, carried
 
 
 class SkinCache:
@@ -154,7 +155,8 @@ class SkinCache:
         """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm.
 
         This is at rest, where the cache holds that or the epoch begins before anything is held: later, flaps that
-        overlap come between. Otherwise it is the first frame at which the suture is active.
+        overlap come between. Otherwise it is the first frame at which the suture is active. Where that is in an earlier
+        epoch, and this one has its skin at rest, the ends are carried to there: skin at rest is the same in all.
         """
         first = epoch.frames[0]
         skin = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")
@@ -166,6 +168,11 @@ class SkinCache:
             anchors = prim.GetAttribute("lappet:anchors").Get() if prim else None
             if anchors is not None and len(anchors) == 2:
                 return rest, np.asarray(anchors, np.float32) * np.float32(self._mm)
+        active = next(t for t in self.frames if self.sutures(t).active[index])
+        earlier = self.epoch_at(active)
+        if earlier.name != epoch.name and {earlier.name, epoch.name} <= self._at_rest | {self.epochs[0].name}:
+            bites = bites_at(self.positions(earlier, active), earlier.triangles, self.sutures(active).ends[index])
+            return rest, carried(bites, self.rest(earlier)).astype(np.float32)
         active = next(t for t in epoch.frames if self.sutures(t).active[index])
         return self.positions(epoch, active), self.sutures(active).ends[index]
 
@@ -260,6 +267,8 @@ class SkinCache:
     def _events(self) -> tuple[StepEvent, ...]:
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
         events = []
+        sutures = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")
+        labels = list(sutures.GetAttribute("primvars:label").Get() or ()) if sutures else []
         for prim in timeline.GetChildren() if timeline else []:
             schemas = prim.GetMetadata("apiSchemas")
             kinds = [
@@ -272,5 +281,8 @@ class SkinCache:
             if start is None:
                 continue
             end = value["release"] if value["release"] is not None else start + (value["duration"] or 0.0)
-            events.append(StepEvent(kinds[0], prim.GetName(), float(start), float(end)))
+            name, kind, stitches = prim.GetName(), kinds[0], 1
+            if kind == "SutureRun":
+                kind, stitches = "Suture", sum(label.startswith(f"{name}/") for label in labels)
+            events.append(StepEvent(kind, name, float(start), float(end), stitches))
         return tuple(sorted(events, key=lambda e: e.start))

@@ -20,12 +20,16 @@ class FigureError(ValueError):
 
 @dataclass(frozen=True)
 class StepEvent:
-    """An event of the procedure as far as pictures need it: its kind, name and the time codes it spans."""
+    """An event of the procedure as far as pictures need it: its kind, name and the time codes it spans.
+
+    stitches: of a suture run, which is of the kind Suture here, how many it has.
+    """
 
     kind: str
     name: str
     start: float
     end: float
+    stitches: int = 1
 
 
 @dataclass(frozen=True, eq=False)

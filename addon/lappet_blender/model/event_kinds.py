@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lappet.procedure import Basis, SutureMode
+from lappet.procedure import Basis, SutureMode, SutureOrder, SuturePattern
 from lappet.procedure.threads import THREADS
 
 KINDS = (
@@ -12,6 +12,7 @@ KINDS = (
     ("HOOK", "Hook", "Pulls a point of the skin to a target", "HOOK", 3),
     ("RETRACTOR", "Retractor", "Grips faces of the skin and moves them as one", "VIEW_PAN", 4),
     ("SUTURE", "Suture", "Draws two points together and holds them", "LINKED", 5),
+    ("SUTURE_RUN", "Suture Run", "Sews two edges of a wound together, stitch by stitch", "DRIVER_DISTANCE", 7),
     ("LANDMARK", "Landmark", "Points to follow and measure", "EMPTY_AXIS", 6),
 )
 BASES = (
@@ -28,8 +29,35 @@ THREAD_ITEMS = (
     ("NONE", "Own stiffness", "A thread of the stiffness given below"),
     *((name.replace(" ", "_").replace("-", "_").upper(), name, f"A thread of {name}") for name in THREADS),
 )
+PATTERNS = (
+    ("INTERRUPTED", "Interrupted", "Each stitch holds one point of each edge"),
+    ("SIMPLE", "Simple", "A loop across the wound in the tissue and back over it"),
+    ("RUNNING", "Running", "One thread through all places, which slides"),
+    ("VERTICAL_MATTRESS", "Vertical Mattress", "Far-far-near-near: the edges turn out"),
+    ("HORIZONTAL_MATTRESS", "Horizontal Mattress", "Across, along the edge and back: the edges turn out"),
+    ("HALF_BURIED", "Half-Buried Mattress", "On the second edge it stays in the tissue, as in the tip of a flap"),
+    ("DEEP_DERMAL", "Deep Dermal", "Buried, tied below"),
+    ("FIGURE_OF_EIGHT", "Figure of Eight", "Two passes whose threads cross above the wound"),
+)
+ORDERS = (
+    ("HALVING", "By Halving", "Corners and the middle first, then the middles of the halves"),
+    ("FORWARD", "From the Start", "One after the other from the start of the edges"),
+    ("TOGETHER", "All at Once", "All stitches are drawn together at the same time"),
+)
 CUT_KINDS = frozenset({"INCISION", "EXCISION", "UNDERMINE"})
 HOLD_KINDS = frozenset({"HOOK", "RETRACTOR"})
+SEWN_KINDS = frozenset({"SUTURE", "SUTURE_RUN"})
 BASIS_OF: dict[str, Basis] = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}
+PATTERN_OF: dict[str, SuturePattern] = {
+    "INTERRUPTED": "interrupted",
+    "SIMPLE": "simple",
+    "RUNNING": "running",
+    "VERTICAL_MATTRESS": "verticalMattress",
+    "HORIZONTAL_MATTRESS": "horizontalMattress",
+    "HALF_BURIED": "halfBuriedMattress",
+    "DEEP_DERMAL": "deepDermal",
+    "FIGURE_OF_EIGHT": "figureOfEight",
+}
+ORDER_OF: dict[str, SutureOrder] = {"HALVING": "halving", "FORWARD": "forward", "TOGETHER": "together"}
 MODE_OF: dict[str, SutureMode] = {"EXACT": "exact", "THREAD": "thread"}
 THREAD_OF = {item: "" if item == "NONE" else name for item, name, _ in THREAD_ITEMS}

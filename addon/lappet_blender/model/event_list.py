@@ -15,7 +15,7 @@ import bpy
 
 from .changes import changed
 from .decimals import decimal
-from .event_kinds import HOLD_KINDS, KINDS
+from .event_kinds import HOLD_KINDS, KINDS, SEWN_KINDS
 from .event_target import EVENT_TAG, followers, remove_target, shift_keyframes
 
 KIND_NAMES = tuple(kind[0] for kind in KINDS)
@@ -96,7 +96,7 @@ def event_end(event: Any) -> float:
     """The frame at which an event has ended: a release, a suture closed; else its time."""
     if event.kind in HOLD_KINDS:
         return decimal(event.end)
-    return event_time(event) + (decimal(event.duration) if event.kind == "SUTURE" else 0.0)
+    return event_time(event) + (decimal(event.duration) if event.kind in SEWN_KINDS else 0.0)
 
 
 def move_event(scene: bpy.types.Scene, event: Any, new_start: float) -> None:

@@ -11,18 +11,40 @@ from bpy.props import (
     StringProperty,
 )
 
-from lappet.procedure import Hook, Incision, Suture
+from lappet.procedure import Hook, Incision, Suture, SutureRun
 
 from .changes import property_changed
-from .event_kinds import BASES, KINDS, SUTURE_MODES, THREAD_ITEMS
+from .event_kinds import BASES, KINDS, ORDERS, PATTERNS, SUTURE_MODES, THREAD_ITEMS
 from .event_list import move_event, rename_event
-from .tracked_properties import choice, flag, number, pointer, text, vector
+from .suture_layers import LAYER_CHOICES, set_sewn_in, sewn_in
+from .tracked_properties import choice, count, flag, number, pointer, text, vector
 
 
 class LappetPoint(bpy.types.PropertyGroup):
     """A point of an event."""
 
     co: vector(name="Position", description="Where the point lies on the tissue at rest, in mm", size=3, precision=3)
+
+
+class LappetRunCorner(bpy.types.PropertyGroup):
+    """Points of both edges of a suture run that meet, by their numbers."""
+
+    first: count(name="First", description="Number of the point of the first edge", default=0, min=0)
+    second: count(name="Second", description="Number of the point of the second edge", default=0, min=0)
+    told: flag(name="Told", description="It is said below where the tissue of the corner lies", default=False)
+    first_inside: vector(name="First Inside", description="Toward this, at rest, in mm", size=3, precision=3)
+    second_inside: vector(name="Second Inside", description="Toward this, at rest, in mm", size=3, precision=3)
+
+
+class LappetSutureLayer(bpy.types.PropertyGroup):
+    """A layer of a suture run; `name` is PropertyGroup's own."""
+
+    depth: number(name="Depth", description="Depth of its stitches below the skin, in mm", default=0.0, min=0.0)
+    between: flag(
+        name="Between",
+        description="Its stitches lie between those of the other layers",
+        default=False,
+    )
 
 
 def _title(event: "LappetEvent") -> str:
@@ -91,6 +113,65 @@ class LappetEvent(bpy.types.PropertyGroup):
         default=Suture.pull_through,
         min=0.0,
     )
+    # Of a suture run: both edges are in `points`, first those of the first.
+    second_from: count(name="Second Edge From", description="Number of points of the first edge", default=0, min=0)
+    first_left: flag(
+        name="First Edge Left",
+        description="The tissue of the first edge lies to the left of its direction",
+        default=True,
+    )
+    second_left: flag(
+        name="Second Edge Left",
+        description="The tissue of the second edge lies to the left of its direction",
+        default=False,
+    )
+    spacing: FloatProperty(
+        name="Spacing",
+        description="Distance from stitch to stitch at least, in mm; those nearer than the lattice carries are merged",
+        default=SutureRun.spacing,
+        min=0.01,
+        soft_min=0.5,
+        soft_max=20.0,
+        step=10,
+        update=property_changed,
+    )
+    margin: number(
+        name="Margin",
+        description="Distance from ends and corners to the next stitch, in mm; -1 for half a distance between stitches",
+        default=-1.0,
+        min=-1.0,
+    )
+    bite: number(
+        name="Bite",
+        description="Distance of the bites from the edges, in mm; -1 for what is usual of the pattern",
+        default=-1.0,
+        min=-1.0,
+        precision=3,
+    )
+    corners: CollectionProperty(type=LappetRunCorner)
+    layers: CollectionProperty(type=LappetSutureLayer)
+    sewn_in: EnumProperty(
+        name="Layers",
+        description="In which layers the run is sewn",
+        items=LAYER_CHOICES,
+        get=sewn_in,
+        set=set_sewn_in,
+    )
+    pattern: choice(name="Pattern", description="What each stitch does", items=PATTERNS, default="INTERRUPTED")
+    pass_depth: number(
+        name="Pass Depth",
+        description="Depth in which the thread of a pattern crosses the wound, in mm",
+        default=SutureRun.pass_depth,
+        min=0.0,
+    )
+    order: choice(name="Order", description="In which order the stitches are made", items=ORDERS, default="HALVING")
+    drawn: number(
+        name="Drawn",
+        description="Share of the length at which the edges just meet to which threads are drawn",
+        default=SutureRun.drawn,
+        min=0.0,
+        soft_max=1.5,
+    )
     target: pointer(
         name="Target",
         description="The empty whose location (hook) or motion (retractor) is followed; keyframe it like any object",
@@ -113,4 +194,4 @@ class LappetEvent(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (LappetPoint, LappetEvent)
+CLASSES = (LappetPoint, LappetRunCorner, LappetSutureLayer, LappetEvent)

@@ -13,13 +13,25 @@ from mathutils import Matrix
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Retractor, Suture, Undermine
+from lappet.procedure import (
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Point,
+    Retractor,
+    Suture,
+    SutureRun,
+    Undermine,
+)
 
 from .changes import changed
 from .decimals import decimal
 from .event_kinds import BASIS_OF, MODE_OF, THREAD_OF
 from .event_list import add_event, event_time, numbered_name, set_points, target_name, unique_name
 from .event_target import is_there, make_target, set_keyframes
+from .suture_run_values import run_value, set_run
 from .target_samples import hook_samples, motion_samples
 from .units import mm_per_unit, to_world
 
@@ -68,6 +80,8 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
                 decimal(event.tension),
                 decimal(event.pull_through),
             )
+        case "SUTURE_RUN":
+            return run_value(event, name, time, points)
         case _:
             return Landmark(name, points, str(event.label))
 
@@ -81,9 +95,14 @@ def free_name(scene: bpy.types.Scene, kind: str, name: str = "", taken: Collecti
     return unique_name(name, names) if name else numbered_name(kind, names)
 
 
+def kind_of(value: Event) -> str:
+    """The kind of the event that holds a value."""
+    return "SUTURE_RUN" if isinstance(value, SutureRun) else type(value).__name__.upper()
+
+
 def add_value(scene: bpy.types.Scene, value: Event) -> Any:
     """Add a value as an event of its kind, by its own name where that is free, and return the event."""
-    event = add_event(scene, type(value).__name__.upper(), value.name)
+    event = add_event(scene, kind_of(value), value.name)
     set_event(scene, event, value)
     return event
 
@@ -122,6 +141,8 @@ def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
             event.thread = next((name for name, thread in THREAD_OF.items() if thread == value.thread), "NONE")
             event.length, event.tension, event.pull_through = value.length, value.tension, value.pull_through
             set_points(event, value.anchors)
+        case SutureRun():
+            set_run(event, value)
         case Landmark():
             event.start = scene.frame_start
             event.label = value.label

@@ -14,7 +14,7 @@ from lappet.procedure import Bone, Procedure, Tissue, position_of
 
 from .changes import changed
 from .event_list import add_event, remove_event
-from .event_values import set_event
+from .event_values import kind_of, set_event
 from .kept_values import KEPT_EVENTS, keep
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
@@ -110,4 +110,4 @@ def _events(scene: bpy.types.Scene, procedure: Procedure) -> None:
     for value in procedure.events:
         if isinstance(value, KEPT_EVENTS):
             continue
-        set_event(scene, add_event(scene, value.kind.upper(), name=value.name), value)
+        set_event(scene, add_event(scene, kind_of(value), name=value.name), value)

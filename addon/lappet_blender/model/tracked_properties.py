@@ -2,10 +2,19 @@
 
 from functools import partial
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from .changes import property_changed
 
+count = partial(IntProperty, update=property_changed)
 number = partial(FloatProperty, update=property_changed)
 vector = partial(FloatVectorProperty, update=property_changed)
 flag = partial(BoolProperty, update=property_changed)

@@ -90,6 +90,14 @@ def pull_of(scene: bpy.types.Scene, time: float, event: str) -> Pull | None:
     return next((each for each in own if each.event == event), None)
 
 
+def pulls_of_run(scene: bpy.types.Scene, time: float, run: str) -> list[Pull]:
+    """What the stitches of a suture run pull with in the frame at a time, of those that the lattice resolves."""
+    assessment, index = _assessed(scene, time)
+    pulls = () if assessment is None else assessment.pulls
+    own = pulls[index] if index < len(pulls) else ()
+    return [each for each in own if each.event.startswith(f"{run}/") and each.resolved]
+
+
 def _assessed(scene: bpy.types.Scene, time: float) -> tuple[Assessment | None, int]:
     """What is known of the frames, and the place among them of the one at a time; None where it is not listed."""
     controller = controller_of(scene)

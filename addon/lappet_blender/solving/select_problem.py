@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from lappet.core.problem import Problem
+from lappet.procedure.prim_paths import TIMELINE
 
 from ..model.event_list import event_index, event_time
 from ..model.units import to_world
@@ -13,7 +14,12 @@ _SUBSET = "/Procedure/Tissue"
 
 
 def problem_event(scene: bpy.types.Scene, problem: Problem) -> int:
-    """The index of the event that a problem is about, -1 for none. Paths are prims or names of events and objects."""
+    """The index of the event that a problem is about, -1 for none. Paths are prims or names of events and objects.
+
+    What is wrong with a stitch is a problem of its run.
+    """
+    if problem.prim.startswith(f"{TIMELINE}/"):
+        return event_index(scene, problem.prim.removeprefix(f"{TIMELINE}/").partition("/")[0].split(".")[0])
     return event_index(scene, problem.prim.split(".")[0].rsplit("/", 1)[-1])
 
 

@@ -13,6 +13,7 @@ from ..model.event_list import find_event, remove_event
 from .drawing import DrawnLine, Point
 from .handles import (
     LINE_KINDS,
+    SKIN_KINDS,
     TARGET,
     Handle,
     event_points,
@@ -160,7 +161,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
             _put(event.target, self.place)
             redraw()
             return None
-        hit = view.pick(context.scene, any_face=event.kind not in LINE_KINDS)
+        hit = view.pick(context.scene, any_face=event.kind not in SKIN_KINDS)
         if hit is not None:
             self.rest = hit.rest
             show_preview(self._preview(context, event))
@@ -175,6 +176,9 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
             preview.lines = [DrawnLine(places, event.basis, is_closed(event))]
         elif event.kind == "SUTURE":
             preview.lines = [DrawnLine(places, "LINEAR", False)]
+        elif event.kind == "SUTURE_RUN":
+            edges = places[: event.second_from], places[event.second_from :]
+            preview.lines = [DrawnLine(edge, "LINEAR", False) for edge in edges if len(edge) > 1]
         return preview
 
     def released(self, context: bpy.types.Context, view: View | None) -> Result | None:

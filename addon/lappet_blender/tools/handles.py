@@ -20,7 +20,9 @@ from .shown_surface import ShownSurface, shown_surface
 
 TARGET = -1  # the index of a handle that is the empty a hook or retractor follows
 LINE_KINDS = frozenset({"INCISION", "UNDERMINE"})
+SKIN_KINDS = LINE_KINDS | {"SUTURE_RUN"}  # whose points lie on the skin
 _GONE = 2.0
+_MOST_OF_RUN = 10  # points of a suture run that have handles: of edges that a design drew, nobody moves single ones
 Project = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -69,9 +71,9 @@ def event_points(event: LappetEvent | LappetSkinLine | LappetVessel) -> NDArray[
 
 def _point_handles(event: LappetEvent, surface: ShownSurface) -> list[Handle]:
     rest = event_points(event)
-    if len(rest) == 0:
+    if len(rest) == 0 or (event.kind == "SUTURE_RUN" and len(rest) > _MOST_OF_RUN):
         return []
-    located = surface.rest.locate(rest, skin_only=event.kind in LINE_KINDS)
+    located = surface.rest.locate(rest, skin_only=event.kind in SKIN_KINDS)
     off = np.linalg.norm(surface.rest.at(located) - rest, axis=1)
     hovers = event.kind in LINE_KINDS and event.basis in ("BSPLINE", "BEZIER")  # these may lie off the skin
     world = surface.carry(located)
@@ -117,7 +119,7 @@ def nearest_line(
     project: Project,
     mouse: Sequence[float],
     radius: float,
-    kinds: Sequence[str] = (*LINE_KINDS, "SUTURE"),
+    kinds: Sequence[str] = (*LINE_KINDS, "SUTURE", "SUTURE_RUN"),
 ) -> str | None:
     """The uid of the event, of some kinds, whose line is nearest to the mouse (pixels) within a radius.
 
@@ -128,13 +130,15 @@ def nearest_line(
         if event.kind not in kinds or len(event.points) < 2:
             continue
         samples = event_points(event)
-        if event.kind != "SUTURE":
+        if event.kind in LINE_KINDS:
             samples = rest_samples(samples, event.basis, is_closed(event))
         pixels = project(surface.carry(surface.rest.locate(samples)))
         a, way = pixels[:-1], np.diff(pixels, axis=0)
         square = np.maximum(np.einsum("ij,ij->i", way, way), 1e-12)
         t = np.clip(np.einsum("ij,ij->i", np.asarray(mouse)[:2] - a, way) / square, 0.0, 1.0)
         away = np.linalg.norm(a + t[:, None] * way - np.asarray(mouse)[:2], axis=1)
+        if event.kind == "SUTURE_RUN" and 0 < event.second_from < len(samples):
+            away[event.second_from - 1] = np.inf  # from one edge to the other
         nearest = float(np.nanmin(away)) if np.isfinite(away).any() else np.inf
         if nearest < best:
             best, found = nearest, event.uid

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from lappet.procedure.vessel import VESSEL_COLORS
 
+from ..events.run_preview import stitches_of
 from ..look.dashed_line import dashes
 from ..model.event_properties import LappetEvent
 from ..model.mesh_values import GROUP
+from ..model.suture_run_values import run_corners, run_insides
 from ..model.vessel_values import KIND_OF
 from .drawing import DrawnLine
 from .handles import LINE_KINDS, event_points, is_closed
@@ -37,6 +39,7 @@ EVENT_COLORS = {
     "HOOK": STEEL,
     "RETRACTOR": STEEL,
     "SUTURE": THREAD,
+    "SUTURE_RUN": THREAD,
     "LANDMARK": GREEN,
 }
 _LIP = 0.12  # mm from the middle of a cut to the line on either lip, beyond half the kerf
@@ -80,6 +83,11 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
         bites = event_points(event)
         for k in range(len(bites) - 1):
             lines += thread_lines(surface, bites[k : k + 2])
+    elif event.kind == "SUTURE_RUN":
+        lines += _stitch_lines(surface, event)
+        edges = np.split(event_points(event), [event.second_from])
+        for run in (run for edge in edges for run in _runs(surface, edge, "LINEAR", False)):
+            line_set.line(run, (*color[:3], 0.5 * color[3]), 0.5 * _WIDTH)
     elif event.kind == "HOOK" and len(event.points) and event.target is not None:
         anchor = surface.carry(surface.rest.locate(event_points(event)[:1], skin_only=False))[0]
         lines += arrow(anchor, np.array(event.target.matrix_world.translation, np.float64))
@@ -124,6 +132,21 @@ def thread_lines(surface: ShownSurface, ends: NDArray[np.float64]) -> list[NDArr
         return runs
     located = surface.rest.locate(ends, skin_only=False)
     return [surface.carry(located) + surface.normals(located.triangle) * (0.3 / surface.mm)]
+
+
+def _stitch_lines(surface: ShownSurface, event: LappetEvent) -> list[NDArray[np.float64]]:
+    """The thread of each stitch of a run, straight from bite to bite, a little above the skin."""
+    stitches = stitches_of(event.id_data, event)
+    if not stitches:
+        return []
+    bites = np.array([anchor for suture in stitches for anchor in suture.anchors])
+    lines = _located.setdefault(surface.rest, {})
+    key = (bites.tobytes(), "SUTURE_RUN", False, 0.0)
+    if key not in lines:
+        lines[key] = (bites, surface.rest.locate(bites, skin_only=False))
+    located = lines[key][1]
+    world = surface.carry(located) + surface.normals(located.triangle) * (0.3 / surface.mm)
+    return np.split(world, np.cumsum([len(suture.anchors) for suture in stitches])[:-1])
 
 
 def arrow(start: NDArray[np.float64], end: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -206,11 +229,15 @@ def _grip_lines(surface: ShownSurface, event: LappetEvent) -> list[NDArray[np.fl
 
 def plan_key(scene: bpy.types.Scene) -> tuple[Any, ...]:
     """Change whenever what is drawn of a scene's events may change, apart from the surface and the frame."""
-    rows = []
+    rows: list[tuple[Any, ...]] = []
     for e in scene.lappet.events:
         target = tuple(e.target.matrix_world.translation) if e.target is not None else ()
         points = event_points(e).tobytes()
         rows.append((e.uid, e.enabled, e.start, e.end, e.basis, e.closed, e.kerf, e.grip, e.label, points, target))
+        if e.kind == "SUTURE_RUN":
+            layers = tuple((each.name, each.depth, each.between) for each in e.layers)
+            corners = (run_corners(e), run_insides(e))
+            rows.append((e.second_from, e.spacing, e.margin, e.bite, e.pattern, e.pass_depth, layers, corners))
     lines = tuple((line.basis, event_points(line).tobytes()) for line in scene.lappet.skin_lines)
     vessels = tuple((each.kind, each.basis, event_points(each).tobytes()) for each in scene.lappet.vessels)
     return (scene.lappet.active_event, tuple(rows), lines, vessels)

@@ -9,18 +9,20 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Suture
 
+from ..events.add_suture_run import add_suture_run, edges_along, edges_between
 from ..events.add_sutures import (
     Spacing,
     SutureTimes,
+    add_single_sutures,
     add_stitches,
     add_suture,
-    add_suture_run,
     ends_across,
     ends_between,
 )
 from ..events.operator_values import given, places
-from ..events.stitch_properties import drawn_property, shape_property
+from ..events.stitch_properties import drawn_property, order_property, shape_property, single_property
 from ..events.stitch_shapes import Shape
+from ..model.event_kinds import ORDER_OF
 from ..model.event_properties import LappetPoint
 from .drawing import DrawnLine, Point
 from .handles import nearest_line
@@ -71,6 +73,8 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         default=0.0,
         min=0.0,
     )
+    order: order_property()
+    single: single_property()
     shape: shape_property()
     drawn: drawn_property()
     depth: FloatProperty(
@@ -190,6 +194,14 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
             add_suture(scene, self.first[0].co, self.second[0].co, times, depth=self.depth)
             return
         spacing = Spacing(self.count, self.spacing)
+        if not self.single:
+            if self.incision:
+                edges = edges_along(scene, self.incision, self.bite, shape)
+            else:
+                back = _runs_back(self.first, self.second)
+                edges = edges_between(scene, places(self.first), places(self.second), back, shape)
+            add_suture_run(scene, edges, times, shape, spacing, order=ORDER_OF[self.order])
+            return
         if self.incision:
             ends = ends_across(scene, self.incision, 0.0 if shape.is_loop else self.bite, spacing)
         else:
@@ -198,7 +210,7 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if shape.is_loop:
             add_stitches(scene, ends, times, shape)
             return
-        add_suture_run(scene, ends, times, depth=self.depth)
+        add_single_sutures(scene, ends, times, depth=self.depth)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -206,6 +218,9 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if self.incision or len(self.first) > 1:
             self.layout.prop(self, "count")
             self.layout.prop(self, "spacing")
+            self.layout.prop(self, "single")
+            if not self.single:
+                self.layout.prop(self, "order")
         self.layout.prop(self, "shape")
         if self.shape != "POINTS":
             self.layout.prop(self, "bite")

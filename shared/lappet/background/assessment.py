@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lappet.core.digest import digest
 from lappet.core.problem import Problem
-from lappet.procedure import Hook, Procedure, Suture
+from lappet.procedure import Hook, Procedure, Suture, SutureRun
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.measures import FrameMeasures
 
@@ -87,5 +87,5 @@ def assessment_key(keys: Sequence[str], estimated: bool, procedure: Procedure) -
     str
         64 hexadecimal digits.
     """
-    pulling = [event for event in procedure.events if isinstance(event, Suture | Hook)]
+    pulling = [event for event in procedure.events if isinstance(event, Suture | SutureRun | Hook)]
     return digest("assessment", keys[-1], len(keys), estimated, pulling).hex()

@@ -166,11 +166,11 @@ class SolveJobs:
             Its frames, at least one.
         """
         procedure, errors = job.ask.procedure, ErrorEstimate((), 0.0, 0.0, 0.0)
-        gauges, solved = Gauges(procedure, program), [frame.solved for frame in frames]
+        gauges, solved = Gauges(program), [frame.solved for frame in frames]
         measures = [gauges.measure(each) for each in solved]
         rows = [row for each in measures for row in each.sutures]
         notes = fallbacks(program, frames) + stability_notes(frames) + overlap_notes(program, frames)
-        notes += suture_warnings(procedure, rows)
+        notes += suture_warnings(program, rows)
         wanted = job.ask.settings.correction
         if wanted:
             connect, identity = stoppable(self.connect, job), self.compilation.identity

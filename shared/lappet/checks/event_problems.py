@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from lappet.checks.suture_run_problems import MOST_BITES, RunCheck
 from lappet.core.problem import Place, Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
@@ -26,17 +27,17 @@ from lappet.procedure import (
     Section,
     Suture,
     SutureMode,
+    SutureRun,
     Traction,
     Undermine,
 )
 from lappet.procedure.threads import THREADS
+from lappet.suturing.single_sutures import skin_of
 from lappet.tissue.rest_space import RestSpace
+from lappet.tissue.skin_sheet import SkinSheet
 
 # In lattice spacings: how far outside the tissue an anchor may be, and how far it is moved without a word (chosen).
 OFF_TISSUE, UNSAID = 0.5, 0.01
-
-# Bites of one thread that the daemon takes.
-MOST_BITES = 256
 
 
 class EventCheck:
@@ -48,10 +49,13 @@ class EventCheck:
         The procedure.
     rest
         The tissue at rest, or None where its mesh cannot be read; places are then left unchecked.
+    spacing
+        Lattice spacing in mm, where it is not the tissue's own.
     """
 
-    def __init__(self, procedure: Procedure, rest: RestSpace | None) -> None:
+    def __init__(self, procedure: Procedure, rest: RestSpace | None, spacing: float | None = None) -> None:
         self.procedure, self.rest = procedure, rest
+        self.spacing = procedure.tissue.spacing if spacing is None else spacing
         self.problems: list[Problem] = []
         self._path = ""
         # How far each place is outside the tissue, looked up at once: one by one takes longer.
@@ -103,6 +107,8 @@ class EventCheck:
                 self._section(event)
             case Suture():
                 self._suture(event)
+            case SutureRun():
+                self._run(event)
             case Landmark():
                 if not event.label:
                     self._add(ProblemCode.LANDMARK_NO_LABEL, "no label")
@@ -245,7 +251,7 @@ class EventCheck:
         except RefusedError as refusal:
             self.problems += refusal.problems
 
-    def _suture(self, event: Suture) -> None:
+    def _drawing(self, event: Suture | SutureRun) -> None:
         self._time("placed", event.start, "start")
         if self._finite("duration", event.duration):
             if event.duration < 0.0:
@@ -254,6 +260,26 @@ class EventCheck:
                 drawn, end = event.start + event.duration, self.procedure.end_time
                 self._add(ProblemCode.SUTURE_AFTER_END, f"{drawn:g}", end=end)
         self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Suture.stiffness:g}")
+
+    def _known_thread(self, event: Suture | SutureRun) -> None:
+        if event.thread and event.thread not in THREADS:
+            self._add(ProblemCode.SUTURE_THREAD, event.thread, known=", ".join(THREADS))
+
+    def _run(self, event: SutureRun) -> None:
+        self._drawing(event)
+        self._known_thread(event)
+        self.problems += RunCheck(event, self._path).check(self.rest, self._skin(), self.spacing)
+
+    def _skin(self) -> SkinSheet | None:
+        """The skin, or None where the tissue has none or its subsets name faces that it lacks."""
+        try:
+            skin = skin_of(self.procedure.tissue)
+        except IndexError:
+            return None
+        return skin if len(skin.normals) else None
+
+    def _suture(self, event: Suture) -> None:
+        self._drawing(event)
         self._thread(event)
         if self._points("anchor", event.anchors):
             self._anchors("anchor", event.anchors)
@@ -276,8 +302,7 @@ class EventCheck:
         modes = get_args(SutureMode)
         if event.mode not in modes:
             self._add(ProblemCode.SUTURE_MODE, event.mode, known=", ".join(modes))
-        if event.thread and event.thread not in THREADS:
-            self._add(ProblemCode.SUTURE_THREAD, event.thread, known=", ".join(THREADS))
+        self._known_thread(event)
         for name in ("length", "tension", "pull_through"):
             value: float = getattr(event, name)
             if not (math.isfinite(value) and value >= 0.0):

@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 
 from lappet.checks.event_problems import at
+from lappet.checks.narrow_flaps import narrow_flaps
 from lappet.checks.suspicious_cuts import CutCheck
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
@@ -43,6 +44,7 @@ def suspicious_events(
     """
     events = [event for event in procedure.events if f"{TIMELINE}/{event.name}" not in wrong]
     found = CutCheck(rest, thickness, spacing).check([event for event in events if isinstance(event, Incision)])
+    found += narrow_flaps(procedure, wrong)
     most = FAR * rest.diagonal
     for event in events:
         path = f"{TIMELINE}/{event.name}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,10 @@ from lappet.checks.suspicious_tissue import separate_parts, size_problems
 from lappet.checks.vessel_problems import vessel_problems
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Procedure, Retractor
+from lappet.procedure import Procedure, Retractor, SutureRun
 from lappet.procedure.prim_names import name_problems
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
+from lappet.suturing.single_sutures import with_single_sutures
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.rest_space import RestSpace
 from lappet.usd.stage_procedure import StageProcedure
@@ -84,14 +86,28 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
         problems += found.problems
         if _is_solid(report) and _is_solid(found) and math.isfinite(size) and size > 0.0:
             problems += overlap_problems(bone, found.triangles, procedure.tissue.points, report.triangles, size)
-    events = EventCheck(procedure, rest)
+    events = EventCheck(procedure, rest, size)
     for event in procedure.events:
         events.check(event, f"{TIMELINE}/{event.name}")
-    problems = [*problems, *events.problems, *event_conflicts(procedure)]
+    problems = [*problems, *events.problems]
+    single = _with_single_sutures(procedure, size, problems)
+    problems += event_conflicts(single)
     wrong = {each.prim for each in problems if each.severity == "error"}
     if rest is not None and not {TISSUE, ROOT} & wrong and math.isfinite(size) and size > 0.0:
-        problems += suspicious_events(procedure, rest, measure.thickness, size, wrong)
+        problems += suspicious_events(single, rest, measure.thickness, size, wrong)
     return problems
+
+
+def _with_single_sutures(procedure: Procedure, spacing: float, problems: list[Problem]) -> Procedure:
+    """The procedure with the stitches of its suture runs, but for runs that are wrong or whose tissue is."""
+    wrong = {each.prim for each in problems if each.severity == "error"}
+    blind = any(prim == TISSUE or prim.startswith(f"{TISSUE}/") for prim in wrong)
+    kept = [
+        event
+        for event in procedure.events
+        if not (isinstance(event, SutureRun) and (blind or f"{TIMELINE}/{event.name}" in wrong))
+    ]
+    return with_single_sutures(replace(procedure, events=tuple(kept)), spacing)
 
 
 def check_read(read: StageProcedure) -> list[Problem]:

@@ -15,6 +15,8 @@ from lappet.foreign.limits import ReadLimits
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+_PICTURES = (".svg", ".pdf", ".png")
+
 
 class Measure(click.ParamType):
     """A measure of a design and its value: `side=18`."""
@@ -64,10 +66,43 @@ def list_designs(context: click.Context) -> None:
             click.echo(f"{design.name:<{wide}}  {design.indication}")
 
 
+def drawable(_context: click.Context, _parameter: click.Parameter, path: Path | None) -> Path | None:
+    """Check that a picture is of a kind that can be drawn.
+
+    Parameters
+    ----------
+    path
+        The picture, or None.
+
+    Returns
+    -------
+    Path or None
+        The picture.
+
+    Raises
+    ------
+    BadParameter
+        If it is of another kind.
+    """
+    if path is not None and path.suffix.lower() not in _PICTURES:
+        raise click.BadParameter(f"{path.name} is no {', '.join(_PICTURES[:-1])} or {_PICTURES[-1]} file.")
+    return path
+
+
 @flap.command("show")
 @click.argument("name")
+@click.option("--picture", type=FILE, callback=drawable, help="Draw its plan, to scale (.svg, .pdf or .png).")
+@click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the drawn plan; may be repeated.")
+@click.option("--mirrored", is_flag=True, help="Draw it mirrored about its direction.")
 @click.pass_context
-def show_design(context: click.Context, /, name: str) -> None:
+def show_design(
+    context: click.Context,
+    /,
+    name: str,
+    picture: Path | None,
+    measures: tuple[tuple[str, float], ...],
+    mirrored: bool,
+) -> None:
     """Show the design NAME: what it is for, its measures with their ranges, and where these come from."""
     with sentences(context):
         from rich import box
@@ -89,6 +124,17 @@ def show_design(context: click.Context, /, name: str) -> None:
             click.echo(f"Surgeons lay the direction {design.lines} the lines of the skin (--lines {design.lines}).")
         Console().print(table)
         click.echo(f"Sources: {design.sources}")
+        if picture is not None:
+            from lappet.designs.flap_plan import flap_plan
+            from lappet.output.plan_figure import write_plan_figure
+
+            plan = flap_plan(design, dict(measures), mirrored=mirrored)
+            write_plan_figure(plan, design.lines, picture)
+            if plan.meetings:
+                click.echo(
+                    "In the end meet: " + ", ".join(f"{flap} and {wound}" for flap, wound in plan.meetings) + "."
+                )
+            click.echo(f"Written: {picture}")
 
 
 @flap.command("add")
@@ -97,6 +143,7 @@ def show_design(context: click.Context, /, name: str) -> None:
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure with the operation (.usda or .usdc).")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Where it lies on the skin, in mm.")
 @click.option("--landmark", help="Where it lies: the label of a landmark.")
+@click.option("--defect", help="What it closes: a closed incision or an outline of landmarks; sets place and lengths.")
 @click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its direction along the skin.")
 @click.option("--lines", type=click.Choice(["along", "across"]), help="Its direction, by the lines of the skin.")
 @click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the design; may be repeated.")
@@ -113,6 +160,7 @@ def add(
     output: Path,
     at: tuple[float, float, float] | None,
     landmark: str | None,
+    defect: str | None,
     direction: tuple[float, float, float] | None,
     lines: str | None,
     measures: tuple[tuple[str, float], ...],
@@ -125,19 +173,12 @@ def add(
 
     Cuts, excision, undermining, hooks that carry the flap, rows of sutures and landmarks, in the order of a surgeon.
     """
-    if at is not None and landmark is not None:
-        raise click.UsageError("Give --at or --landmark, not both.")
-    if direction is not None and lines is not None:
-        raise click.UsageError("Give --direction or --lines, not both.")
-    placed = at is not None or landmark is not None
-    directed = direction is not None or lines is not None
-    if procedure is None and (placed or directed or start is not None):
-        raise click.UsageError("--at, --landmark, --direction, --lines and --start need a PROCEDURE.")
-    if procedure is not None and not (placed and directed):
-        raise click.UsageError("Say where it lies (--at or --landmark) and how (--direction or --lines).")
+    _require_whole(procedure, (at, landmark, defect), (direction, lines), start)
     with sentences(context):
         from dataclasses import replace
 
+        from lappet.checks.narrow_flaps import narrow_flaps
+        from lappet.designs.fitted_design import fit_to_defect, lengths_of, marked_defect, without_drawn
         from lappet.designs.library_operation import (
             SPACING,
             add_flap,
@@ -153,8 +194,32 @@ def add(
             given = read_procedure(procedure, limits=limits)
             if spacing is not None:
                 given = replace(given, tissue=replace(given.tissue, spacing=spacing))
-            place = at or landmark_place(given, str(landmark))
+            outline = None if defect is None else marked_defect(given, defect)
+            place: ArrayLike = at or (landmark_place(given, str(landmark)) if outline is None else outline.mean(axis=0))
             way: ArrayLike = direction or skin_line_direction(given, place, across=lines == "across")
-            made = add_flap(given, name, place, way, dict(measures), mirrored=mirrored, start=start)
+            values = dict(measures)
+            if outline is not None and defect is not None:
+                fitted = fit_to_defect(given.tissue, name, outline, way, values, mirrored=mirrored)
+                place, values = fitted.at, fitted.values
+                given = without_drawn(given, defect)
+                click.echo("Lengths: " + ", ".join(lengths_of(name, values)))
+            made = add_flap(given, name, place, way, values, mirrored=mirrored, start=start)
         write_procedure(made, output)
         click.echo(f"Written: {output}")
+        for found in narrow_flaps(made, set()):
+            click.echo(f"{found.severity}: {found}", err=True)
+
+
+def _require_whole(
+    procedure: Path | None, places: tuple[object, ...], directions: tuple[object, ...], start: float | None
+) -> None:
+    """Refuse a place or a direction that is given twice, or not at all where there is a procedure."""
+    placed, directed = (sum(each is not None for each in some) for some in (places, directions))
+    if placed > 1:
+        raise click.UsageError("Give one of --at, --landmark and --defect.")
+    if directed > 1:
+        raise click.UsageError("Give --direction or --lines, not both.")
+    if procedure is None and (placed or directed or start is not None):
+        raise click.UsageError("--at, --landmark, --defect, --direction, --lines and --start need a PROCEDURE.")
+    if procedure is not None and not (placed and directed):
+        raise click.UsageError("Say where it lies (--at, --landmark or --defect) and how (--direction or --lines).")

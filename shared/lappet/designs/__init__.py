@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lappet.designs.fitted_design import Fitted, fit_to_defect
 from lappet.designs.flap_design import Carry, Edge, Excised, FlapDesign
 from lappet.designs.fusiform_design import Fusiform, fusiform
 from lappet.designs.geodesic_drape import draped_on
@@ -10,7 +11,8 @@ from lappet.designs.library_operation import add_flap, flap_on_patch, flap_on_sk
 from lappet.designs.oval_outline import oval
 from lappet.designs.rhombic_flap import dufourmentel, limberg
 from lappet.designs.s_plasty import dual_s_plasty
-from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
+from lappet.designs.technique import Row, Schedule, Technique
+from lappet.designs.transposition import flap_operation
 from lappet.designs.z_plasty_design import ZPlasty, z_plasty
 
 __all__ = [
@@ -18,6 +20,7 @@ __all__ = [
     "Carry",
     "Edge",
     "Excised",
+    "Fitted",
     "FlapDesign",
     "Fusiform",
     "Row",
@@ -28,6 +31,7 @@ __all__ = [
     "draped_on",
     "dual_s_plasty",
     "dufourmentel",
+    "fit_to_defect",
     "flap_on_patch",
     "flap_on_skin",
     "flap_operation",

@@ -230,7 +230,7 @@ class DesignPlane:
         run, beside = flat[k + 1] - flat[k], np.asarray(tissue, np.float64) - flat[k]
         return self.edge(flat, 1 if run[0] * beside[1] - run[1] * beside[0] > 0.0 else -1)
 
-    def excised(self, name: str, flat: NDArray[np.float64], seed: ArrayLike) -> Excised:
+    def excised(self, name: str, flat: NDArray[np.float64], seed: ArrayLike, late: bool = False) -> Excised:
         """Place what is cut out on the skin.
 
         Parameters
@@ -241,6 +241,8 @@ class DesignPlane:
             Points of the plane around it in mm, in either sense, shape (k, 2).
         seed
             A point of the plane in its middle in mm, shape (2,).
+        late
+            Whether it is cut out after the seams of the donor site are closed.
 
         Returns
         -------
@@ -250,7 +252,7 @@ class DesignPlane:
         turned = np.roll(flat, -1, axis=0)
         area = float(np.sum(flat[:, 0] * turned[:, 1] - flat[:, 1] * turned[:, 0]))
         outline = self.outline(flat if area > 0.0 else flat[::-1])
-        return Excised(name, outline, self.point(seed))
+        return Excised(name, outline, self.point(seed), late)
 
     def outline(self, flat: NDArray[np.float64]) -> tuple[Point, ...]:
         """Place a closed curve on the skin, counter-clockwise about the normal.

@@ -20,7 +20,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
 from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam, Spot
-from lappet.designs.flat_curves import NICK, arc, part, segment
+from lappet.designs.flat_curves import NICK, arc, bezier, part, segment
 from lappet.designs.flat_curves import length as length_of
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
@@ -89,7 +89,7 @@ def dorsal_nasal_flap(
     lower = arc(np.zeros(2), r, 60.0, 300.0, _STEP)
     apex = np.array([length, 0.0])
     out, over = upper[-1] + (0.1 * length, -1.25 * half_width), np.array([0.65 * length, -0.75 * half_width])
-    first, second, third = _parted(_bezier(upper[-1], out, over, apex), s)
+    first, second, third = _parted(bezier(upper[-1], out, over, apex), s)
     pivot = apex + back_cut * np.array([-np.cos(OFF), np.sin(OFF)])  # B
     fork = apex + STEM * s / back_cut * (pivot - apex)
     back = np.vstack([segment(apex, fork)[:-1], segment(fork, pivot)])
@@ -126,13 +126,6 @@ def _parted(curve: NDArray[np.float64], end: float) -> tuple[NDArray[np.float64]
     """A curve's first mm, what is between, and as many last ones: seams then end at points of the cut."""
     whole = length_of(curve)
     return part(curve, 0.0, end), part(curve, end, whole - end), part(curve, whole - end, whole)
-
-
-def _bezier(*corners: ArrayLike) -> NDArray[np.float64]:
-    """A cubic Bézier curve, points (k, 2) close to each other."""
-    t = np.linspace(0.0, 1.0, 801)[:, None]
-    a, b, c, d = (np.asarray(corner, np.float64) for corner in corners)
-    return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d
 
 
 _RIEGER = "R. A. Rieger, Plast. Reconstr. Surg. 40 (1967) 147"

@@ -55,11 +55,14 @@ class Excised:
         Points in mm, closed, counter-clockwise about the normal.
     seed
         A point in its middle in mm.
+    late
+        Whether it is cut out only after the seams whose names begin with "donor" are closed, as a dog-ear is.
     """
 
     name: str
     outline: tuple[Point, ...]
     seed: Point
+    late: bool = False
 
 
 @dataclass(frozen=True)

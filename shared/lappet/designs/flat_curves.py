@@ -171,6 +171,24 @@ def bow(
     return part(fine, 0.0, length(fine), step)
 
 
+def bezier(*corners: ArrayLike) -> NDArray[np.float64]:
+    """Draw a cubic Bézier curve.
+
+    Parameters
+    ----------
+    *corners
+        Its first point, two points that it is drawn to, and its last point in mm, each of shape (2,).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        801 points in mm, shape (801, 2).
+    """
+    t = np.linspace(0.0, 1.0, 801)[:, None]
+    a, b, c, d = (np.asarray(corner, np.float64) for corner in corners)
+    return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d
+
+
 def s_curve(whole: float, around: float, back: float, step: float = STEP) -> NDArray[np.float64]:
     """Draw an S from (0, 0) that leaves along x, turns right and then left again.
 

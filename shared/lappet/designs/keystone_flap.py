@@ -13,8 +13,10 @@ what is left of its own lip.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
@@ -75,47 +77,115 @@ def keystone_flap(
     if width > length:
         raise refused(ProblemCode.DESIGN_OVAL, "keystone", f"{width:g}", length=length)
     plane = DesignPlane.at(center, skin_axes(direction, normal, "keystone"), mirrored, project)
+    island = keystone_island(plane, length, width, breadth * width, advance * width)
+    lower = island.inner * np.array([1.0, -1.0])
+    ring = np.vstack([lower[:-1], island.inner[:0:-1]])
+    closed = plane.edge_beside(lower, np.array([0.0, -length]))
+    return FlapDesign(
+        (plane.excised("defect", ring, np.zeros(2)),),
+        (plane.points(island.cut),),
+        (Seam("defect", (plane.edge_beside(island.front, island.middle), closed)), *island.seams),
+        island.corners,
+        (),
+        (plane.point(island.middle),),
+        undermined=0.0,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class KeystoneIsland:
+    """An island beside an elliptic defect.
+
+    Parameters
+    ----------
+    inner
+        The arc that it has in common with the defect, in the plane in mm, shape (k, 2).
+    front
+        The edge that goes into the defect: the inner arc with the first mm of both ends, shape (k, 2).
+    ends
+        Those first mm of the left and right end, from the defect's tips on, each of shape (k, 2).
+    cut
+        The incision around it, shape (k, 2).
+    middle
+        Its middle, shape (2,).
+    seams
+        Those of its ends and of its back.
+    corners
+        Where its outer corners go.
+    """
+
+    inner: NDArray[np.float64]
+    front: NDArray[np.float64]
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]]
+    cut: NDArray[np.float64]
+    middle: NDArray[np.float64]
+    seams: tuple[Seam, ...]
+    corners: tuple[Corner, ...]
+
+
+def keystone_island(
+    plane: DesignPlane, length: float, width: float, broad: float, moved: float, side: float = 1.0, what: str = ""
+) -> KeystoneIsland:
+    """Draw the island beside a defect of two arcs about the origin.
+
+    Parameters
+    ----------
+    plane
+        The plane of the design.
+    length
+        Length of the defect in mm.
+    width
+        Width of the defect in mm.
+    broad
+        Breadth of the island in mm.
+    moved
+        How far it goes into the defect in mm.
+    side
+        1 for an island above the defect, -1 for one below.
+    what
+        What the names of its seams and corners begin with.
+
+    Returns
+    -------
+    KeystoneIsland
+        The island.
+    """
+    flip = np.array([1.0, side])
     radius = (length**2 + width**2) / (4.0 * width)
     middle = np.array([0.0, 0.5 * width - radius])
     half = float(np.degrees(2.0 * np.arctan2(width, length)))  # half the opening angle of an arc
-    inner = arc(middle, radius, 90.0 + half, 90.0 - half)  # from A to B
-    outer = arc(middle, radius + breadth * width, 90.0 + half, 90.0 - half)  # from C to D
-    lower = inner * np.array([1.0, -1.0])
-    moved = advance * width
-    flap = np.array([0.0, 0.5 * width + 0.5 * breadth * width])
+    inner = arc(middle, radius, 90.0 + half, 90.0 - half) * flip  # from A to B
+    outer = arc(middle, radius + broad, 90.0 + half, 90.0 - half) * flip  # from C to D
+    middle = middle * flip
+    flap = np.array([0.0, 0.5 * width + 0.5 * broad]) * flip
     seams, corners, taken = [], [], []
     for end, name in ((0, "left"), (-1, "right")):
-        side, rim = segment(inner[end], outer[end]), outer if end == 0 else outer[::-1]
-        beyond = side.mean(axis=0) + 4.0 * (side.mean(axis=0) - flap)
-        above = outer[len(outer) // 2] + np.array([0.0, length])
-        whole = length_of(side)
-        stem = part(side[::-1], 0.0, moved), part(rim, 0.0, moved)
-        seams.append(Seam(f"stem_{name}", (plane.edge_beside(stem[0], beyond), plane.edge_beside(stem[1], above))))
-        own, rest = part(side, moved, whole), part(side, 0.0, whole - moved)
-        seams.append(Seam(name, (plane.edge_beside(own, flap), plane.edge_beside(rest, beyond))))
+        own_side, rim = segment(inner[end], outer[end]), outer if end == 0 else outer[::-1]
+        beyond = own_side.mean(axis=0) + 4.0 * (own_side.mean(axis=0) - flap)
+        above = outer[len(outer) // 2] + np.array([0.0, side * length])
+        whole = length_of(own_side)
+        stem = part(own_side[::-1], 0.0, moved), part(rim, 0.0, moved)
+        seams.append(
+            Seam(f"{what}stem_{name}", (plane.edge_beside(stem[0], beyond), plane.edge_beside(stem[1], above)))
+        )
+        own, rest = part(own_side, moved, whole), part(own_side, 0.0, whole - moved)
+        seams.append(Seam(f"{what}{name}", (plane.edge_beside(own, flap), plane.edge_beside(rest, beyond))))
         tip = plane.spot(outer[end], flap)
-        for what, lip, away in (("tip", stem[0][-1], beyond - stem[0][-1]), ("rim", stem[1][-1], stem[1][-1] - middle)):
+        for which, lip, away in (
+            ("tip", stem[0][-1], beyond - stem[0][-1]),
+            ("rim", stem[1][-1], stem[1][-1] - middle),
+        ):
             into = lip + 0.2 * whole * away / np.linalg.norm(away)
-            corners.append(Corner(f"{what}_{name}", tip, plane.spot(lip, into)))
-        taken.append(part(side, 0.0, moved))
+            corners.append(Corner(f"{what}{which}_{name}", tip, plane.spot(lip, into)))
+        taken.append(part(own_side, 0.0, moved))
     front = np.vstack([taken[0][::-1][:-1], inner[:-1], taken[1]])
     back = part(outer, moved, length_of(outer) - moved)
-    ring = np.vstack([lower[:-1], inner[:0:-1]])
     nick = NICK * np.array([1.0, 0.0])
     ends = segment(inner[0], outer[0])[:-1], segment(outer[-1], inner[-1])
     cut = np.vstack([(inner[0] + nick)[None], ends[0], outer[:-1], ends[1], (inner[-1] - nick)[None]])
-    return FlapDesign(
-        (plane.excised("defect", ring, np.zeros(2)),),
-        (plane.points(cut),),
-        (
-            Seam("defect", (plane.edge_beside(front, flap), plane.edge_beside(lower, np.array([0.0, -length])))),
-            *seams,
-            Seam("back", (plane.edge_beside(outer, flap), plane.edge_beside(back, np.array([0.0, 4.0 * length])))),
-        ),
-        tuple(corners),
-        (),
-        (plane.point(flap),),
-        undermined=0.0,
+    behind = plane.edge_beside(outer, flap), plane.edge_beside(back, np.array([0.0, 4.0 * side * length]))
+    return KeystoneIsland(
+        inner, front, (taken[0], taken[1]), cut, flap, (*seams, Seam(f"{what}back", behind)), tuple(corners)
     )
 
 

@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.crossing_cuts import crossing_cuts
 from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import length
 from lappet.designs.geodesic_drape import GeodesicDrape
 from lappet.designs.library import library_design
-from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
+from lappet.designs.technique import Row, Schedule, Technique
+from lappet.designs.transposition import flap_operation
 from lappet.designs.undermined_area import SkinBorder, contour_around, reaches_border
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.triangulation import triangulate
@@ -70,12 +72,18 @@ def flap_on_skin(
     Raises
     ------
     RefusedError
-        If the library has no such design or the design no such parameter, a value is out of range, or the design is
-        larger than the skin there.
+        If the library has no such design or the design no such parameter, a value is out of range, the design is larger
+        than the skin there, or its cuts cross.
     """
     row = library_design(name)
     given = row.values(values or {})
     drape = GeodesicDrape(SkinSheet.of(tissue), at)
+    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, **given)
+    crossing = crossing_cuts(plane)
+    if crossing is not None:
+        on_skin = drape(np.array([crossing]))[0]
+        where = "({:.1f}, {:.1f}, {:.1f}) mm".format(*on_skin)
+        raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
     if drape.misfit is not None:
         lacking = drape.misfit
@@ -123,6 +131,7 @@ def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique
         beyond=round(0.5 * BEYOND * (1.0 + small) * design.undermined, 2),
         height=round(usual.height * small, 2),
         inside=min(usual.inside, max(0.1 * seam, spacing)),
+        runs=True,
     )
 
 
@@ -139,9 +148,14 @@ def schedule(design: FlapDesign, start: float = 1.0) -> Schedule:
     Returns
     -------
     Schedule
-        That of a flap; without hooks its sutures follow the undermining.
+        That of a flap; without hooks its sutures follow the undermining, and what is cut out late the first seams.
     """
-    usual = Schedule() if design.carries else Schedule(donor_from=8, donor_to=18, suture_from=8, suture_to=21, end=24)
+    if any(cut.late for cut in design.excised):
+        usual = Schedule(donor_from=8, donor_to=16, trim=19, suture_from=20, suture_to=29, end=32)
+    elif design.carries:
+        usual = Schedule()
+    else:
+        usual = Schedule(donor_from=8, donor_to=18, suture_from=8, suture_to=21, end=24)
     return Schedule(**{name: value + start - 1.0 for name, value in vars(usual).items()})
 
 

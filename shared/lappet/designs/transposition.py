@@ -2,130 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.designs.flap_design import Carry, Edge, FlapDesign
-from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
+from lappet.designs.flap_design import Carry, FlapDesign
+from lappet.designs.seam_sutures import beside_edge, edge_length, suture_runs, sutures
+from lappet.designs.technique import Schedule, Technique
+from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
-
-# How far into the tissue a deep bite lies for each mm of its depth: what the wall of a cut through curved tissue, made
-# of chords, drifts from the skin's normal at most, or the bite would be in the other wall. Measured on the examples:
-# less than 0.03.
-DRIFT = 0.05
-SHORT = 0.6  # of the distance between two sutures: a seam with less room than this between its margins gets one suture
 
 Way = Callable[[float], NDArray[np.float64]]  # from a share of the way to a point in mm, shape (3,)
 
 
-@dataclass(frozen=True)
-class Schedule:
-    """When what is done, as time codes.
-
-    Parameters
-    ----------
-    incise
-        The cuts.
-    excise
-        The removal of the defect.
-    undermine
-        The release of the skin around it.
-    lift
-        The hooks begin to lift the flap.
-    carried
-        The hooks have laid the flap down.
-    donor_from
-        The sutures of the donor site begin to draw together.
-    donor_to
-        The donor site is closed.
-    suture_from
-        The other sutures begin to draw together.
-    suture_to
-        All seams are closed.
-    let_go
-        The hooks are released.
-    end
-        Last frame.
-    """
-
-    incise: float = 2
-    excise: float = 4
-    undermine: float = 6
-    lift: float = 8
-    carried: float = 24
-    donor_from: float = 24
-    donor_to: float = 32
-    suture_from: float = 26
-    suture_to: float = 37
-    let_go: float = 35
-    end: float = 40
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of sutures.
-
-    Parameters
-    ----------
-    name
-        Name of the row.
-    depth
-        Depth of the anchors below the skin in mm.
-    shift
-        Shift of its sutures along the seam, as a share of the distance between two.
-    """
-
-    name: str
-    depth: float
-    shift: float = 0.0
-
-
-@dataclass(frozen=True)
-class Technique:
-    """How the surgeon works.
-
-    Parameters
-    ----------
-    kerf
-        Width of the cuts in mm.
-    beyond
-        How far around the design the skin is undermined in mm; 0 where it is not.
-    apart
-        Distance from suture to suture in mm.
-    margin
-        Distance from the first suture of a seam to the seam's end in mm.
-    rows
-        Rows of sutures; the corners are held in each.
-    height
-        Height to which the hooks lift the flap in mm.
-    inside
-        Distance from a flap's corner to its hook in mm.
-    stiffness
-        Stiffness of the hooks in mN/mm.
-    follow
-        Distance between two points of an edge that are measured in mm.
-    """
-
-    kerf: float = 0.05
-    beyond: float = 15.0
-    apart: float = 2.8
-    margin: float = 2.0
-    rows: tuple[Row, ...] = (Row("deep", 3.2), Row("dermal", 0.6, 0.5), Row("skin", 0.0))
-    height: float = 10.0
-    inside: float = 2.0
-    stiffness: float = 300.0
-    follow: float = 1.0
+_USUAL_SCHEDULE, _USUAL_TECHNIQUE = Schedule(), Technique()
 
 
 def flap_operation(
     design: FlapDesign,
     skin: SkinSheet,
-    when: Schedule = Schedule(),
-    how: Technique = Technique(),
+    when: Schedule = _USUAL_SCHEDULE,
+    how: Technique = _USUAL_TECHNIQUE,
 ) -> tuple[Event, ...]:
     """Plan the operation of a flap design, with the landmarks to judge it by.
 
@@ -147,20 +45,43 @@ def flap_operation(
     Returns
     -------
     tuple[Event, ...]
-        The events: incisions, excision, undermining, hooks, sutures, landmarks.
+        The events: incisions, excision, undermining, hooks, sutures or runs of them, landmarks.
     """
     return (
-        *(Incision(cut.name, when.incise, cut.outline, kerf=how.kerf, closed=True) for cut in design.excised),
+        *(
+            Incision(cut.name, when.trim - 1.0 if cut.late else when.incise, cut.outline, kerf=how.kerf, closed=True)
+            for cut in design.excised
+        ),
         *(
             Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
             for k, curve in enumerate(design.incisions)
         ),
-        *([Excision("excision", when.excise, tuple(cut.seed for cut in design.excised))] if design.excised else []),
+        *excisions(design, when),
         *([Undermine("undermining", when.undermine, outline(design, skin, how.beyond))] if how.beyond > 0.0 else []),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
-        *sutures(design, skin, when, how),
+        *(suture_runs(design, when, how) if how.runs else sutures(design, skin, when, how)),
         *landmarks(design, skin, how),
     )
+
+
+def excisions(design: FlapDesign, when: Schedule) -> list[Excision]:
+    """Take out what is cut out, at first and late.
+
+    Parameters
+    ----------
+    design
+        The design.
+    when
+        Time codes of the steps.
+
+    Returns
+    -------
+    list[Excision]
+        At most two excisions.
+    """
+    steps = (("excision", when.excise, False), ("trimming", when.trim, True))
+    seeds = {late: tuple(cut.seed for cut in design.excised if cut.late == late) for late in (False, True)}
+    return [Excision(name, time, seeds[late]) for name, time, late in steps if seeds[late]]
 
 
 def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
@@ -268,41 +189,6 @@ def _turned(skin: SkinSheet, start: NDArray[np.float64], end: NDArray[np.float64
     return at
 
 
-def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique) -> list[Suture]:
-    """Place a suture per row in every corner, and rows of them along every seam; those of the donor site begin first.
-
-    Parameters
-    ----------
-    design
-        The design.
-    skin
-        The skin.
-    when
-        Time codes of the steps.
-    how
-        Rows and distances.
-
-    Returns
-    -------
-    list[Suture]
-        The sutures.
-    """
-    found = []
-    for row in how.rows:
-        beside = 0.5 * how.kerf + 0.01 + DRIFT * row.depth
-        for corner in design.corners:
-            ends = [
-                skin.towards(spot.point, spot.towards, 2.0 * beside, row.depth) for spot in (corner.flap, corner.wound)
-            ]
-            found.append(_suture(f"{row.name}_{corner.name}_corner", ends, corner.name, when))
-        for seam in design.seams:
-            length = 0.5 * sum(_length(edge) for edge in seam.edges)
-            for k, share in enumerate(_stations(length, how, row) / length):
-                ends = [beside_edge(skin, edge, share, beside, row.depth) for edge in seam.edges]
-                found.append(_suture(f"{row.name}_{seam.name}_{k + 1}", ends, seam.name, when))
-    return found
-
-
 def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landmark]:
     """Mark both corners of every pair, the edges of every seam, the middles of the flaps and the ends of the field.
 
@@ -327,7 +213,7 @@ def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landm
             at = skin.towards(spot.point, spot.towards, 2.0 * beside)
             marks.append(Landmark(f"{corner.name}_{what}_corner", (at,), f"{corner.name} {what}"))
     for seam in design.seams:
-        count = max(3, round(0.5 * sum(_length(edge) for edge in seam.edges) / how.follow))
+        count = max(3, round(0.5 * sum(edge_length(edge) for edge in seam.edges) / how.follow))
         shares = (np.arange(count) + 0.5) / count
         for what, edge in zip(("flap", "wound"), seam.edges, strict=True):
             points = tuple(beside_edge(skin, edge, share, beside) for share in shares)
@@ -336,56 +222,6 @@ def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landm
         middles = tuple(skin.below(middle, 0.0) for middle in design.flaps)
         marks.append(Landmark("flap_middle", middles, "flap middle"))
     return marks
-
-
-def beside_edge(skin: SkinSheet, edge: Edge, share: float, distance: float, depth: float = 0.0) -> Point:
-    """Find the point beside an edge at a share of its length.
-
-    Parameters
-    ----------
-    skin
-        The skin.
-    edge
-        The edge.
-    share
-        Share of the edge's length, 0 to 1.
-    distance
-        Distance from the edge into its tissue in mm.
-    depth
-        Depth below the skin in mm.
-
-    Returns
-    -------
-    Point
-        The point in mm.
-    """
-    points = np.array(edge.points)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    at = share * along[-1]
-    k = min(int(np.searchsorted(along, at, side="right")), len(points) - 1)
-    on_edge = points[k - 1] + (at - along[k - 1]) / (along[k] - along[k - 1]) * (points[k] - points[k - 1])
-    low, high = max(k - 2, 0), min(k + 1, len(points) - 1)  # the direction of a curved edge, over its neighbors too
-    return skin.beside(on_edge, points[high] - points[low], edge.side * distance, depth)
-
-
-def _stations(length: float, how: Technique, row: Row) -> NDArray[np.float64]:
-    """Where a row's sutures lie along a seam, mm from its start, shape (k,)."""
-    first, last = how.margin, length - how.margin
-    if last - first < SHORT * how.apart:
-        return np.array([0.5 * length])
-    gaps = max(1, int((last - first) / how.apart + 1e-6))
-    at = np.linspace(first, last, gaps + 1)
-    return at[:-1] + row.shift * np.diff(at) if row.shift else at
-
-
-def _suture(name: str, ends: Sequence[Point], part: str, when: Schedule) -> Suture:
-    donor = part.startswith("donor")
-    start, to = (when.donor_from, when.donor_to) if donor else (when.suture_from, when.suture_to)
-    return Suture(name, (ends[0], ends[1]), start=start, duration=to - start)
-
-
-def _length(edge: Edge) -> float:
-    return float(sum(np.linalg.norm(np.subtract(b, a)) for a, b in pairwise(edge.points)))
 
 
 def _numbered(name: str, k: int, count: int) -> str:

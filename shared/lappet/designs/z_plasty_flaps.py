@@ -74,39 +74,61 @@ def z_plasty_flaps(
     first, second = (np.radians(value) for value in angles)
     a = b - limb * np.array([np.cos(first), -np.sin(first)])
     d = c + limb * np.array([np.cos(second), -np.sin(second)])
-    one, two = (a + b + c) / 3.0, (b + c + d) / 3.0  # the flap at b lies on the side of a, that at c on the side of d
-    return FlapDesign(
-        excised=(),
-        incisions=(plane.points(polyline(a, b, c, d)),),
-        seams=_seams(plane, a, b, c, d),
-        corners=(
-            Corner("first", plane.spot(b, one), plane.spot(d, 2.0 * d - c)),
-            Corner("second", plane.spot(c, two), plane.spot(a, 2.0 * a - b)),
-        ),
-        carries=(
-            Carry("first", plane.spot(b, one), plane.point(c), Spot(plane.point(d), plane.point((a + c + d) / 3.0))),
-            Carry(
-                "second", plane.spot(c, two), plane.point(b), Spot(plane.point(a), plane.point((a + b + d) / 3.0)), LOW
-            ),
-        ),
-        flaps=(plane.point(one), plane.point(two)),
-    )
+    return exchanged(plane, a, b, c, d)
 
 
-def _seams(
+def exchanged(
     plane: DesignPlane,
     a: NDArray[np.float64],
     b: NDArray[np.float64],
     c: NDArray[np.float64],
     d: NDArray[np.float64],
-) -> tuple[Seam, ...]:
-    """The two outer seams and the new central limb."""
-    one, two = (a + b + c) / 3.0, (b + c + d) / 3.0
+    number: str = "",
+) -> FlapDesign:
+    """Let the two flaps of a Z change places.
+
+    Parameters
+    ----------
+    plane
+        The plane of the design.
+    a
+        End of the outer limb at b in the plane in mm, shape (2,).
+    b
+        End of the central limb, the first flap's tip, shape (2,).
+    c
+        The central limb's other end, the second flap's tip, shape (2,).
+    d
+        End of the outer limb at c, shape (2,).
+    number
+        What tells this Z from others of one design, for the names of its seams.
+
+    Returns
+    -------
+    FlapDesign
+        The Z.
+    """
+    one, two = (a + b + c) / 3.0, (b + c + d) / 3.0  # the flap at b lies on the side of a, that at c on the side of d
+    first, second, central = (f"{name}_{number}" if number else name for name in ("first", "second", "central"))
     beyond_d, beyond_a = 2.0 * (0.5 * (c + d)) - two, 2.0 * (0.5 * (a + b)) - one
-    return (
-        Seam("first", (plane.edge_beside(segment(c, b), one), plane.edge_beside(segment(c, d), beyond_d))),
-        Seam("second", (plane.edge_beside(segment(b, c), two), plane.edge_beside(segment(b, a), beyond_a))),
-        Seam("central", (plane.edge_beside(segment(a, b), one), plane.edge_beside(segment(c, d), two))),
+    return FlapDesign(
+        excised=(),
+        incisions=(plane.points(polyline(a, b, c, d)),),
+        seams=(
+            Seam(first, (plane.edge_beside(segment(c, b), one), plane.edge_beside(segment(c, d), beyond_d))),
+            Seam(second, (plane.edge_beside(segment(b, c), two), plane.edge_beside(segment(b, a), beyond_a))),
+            Seam(central, (plane.edge_beside(segment(a, b), one), plane.edge_beside(segment(c, d), two))),
+        ),
+        corners=(
+            Corner(first, plane.spot(b, one), plane.spot(d, 2.0 * d - c)),
+            Corner(second, plane.spot(c, two), plane.spot(a, 2.0 * a - b)),
+        ),
+        carries=(
+            Carry(first, plane.spot(b, one), plane.point(c), Spot(plane.point(d), plane.point((a + c + d) / 3.0))),
+            Carry(
+                second, plane.spot(c, two), plane.point(b), Spot(plane.point(a), plane.point((a + b + d) / 3.0)), LOW
+            ),
+        ),
+        flaps=(plane.point(one), plane.point(two)),
     )
 
 

@@ -80,10 +80,10 @@ def follow_procedure(
     result = follow_program(program, daemon, session, watch)
     if not result.frames and result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
-    gauges = Gauges(procedure, program)
+    gauges = Gauges(program)
     measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
     found = fallbacks(program, result.frames) + stability_notes(result.frames) + overlap_notes(program, result.frames)
-    found += suture_warnings(procedure, [row for each in measures for row in each.sutures])
+    found += suture_warnings(program, [row for each in measures for row in each.sutures])
     written = None
     if result.frames:
         solved = [each.solved for each in result.frames]

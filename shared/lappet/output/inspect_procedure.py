@@ -1,7 +1,8 @@
-"""What `lappet inspect` tells about a procedure: storyboard, epochs, scene profile, lattice counts."""
+"""What `lappet inspect` tells about a procedure: storyboard, epochs, suture runs, scene profile, lattice counts."""
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from lappet.core.problem import Problem, RefusedError
@@ -11,11 +12,14 @@ from lappet.daemon.frame_solver import Connect
 from lappet.daemon.running_daemon import RunningDaemon
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.procedure import Procedure, SutureRun
 from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
+from lappet.solve.suture_forces import closure_of
+from lappet.suturing.stitch_places import taken_spacing
 from lappet.usd.stage import read_procedure
 
 
@@ -73,7 +77,22 @@ def inspect_procedure(
     if economy is not None:
         for name, share in measured_costs(economy).items():
             costs[name] = f"{costs[name]}, {share}" if name in costs else share
-    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, lines, costs)
+    epochs = [_epoch_line(epoch, program) for epoch in program.epochs]
+    return inspection(procedure, epochs, counts, lines, costs, _run_lines(procedure, program))
+
+
+def _run_lines(procedure: Procedure, program: Program) -> list[str]:
+    """For each suture run how many stitches it has in each layer, and how far they are apart."""
+    lines = []
+    for run in procedure.events:
+        if isinstance(run, SutureRun):
+            own = [suture.name for suture in program.stitches if suture.name.startswith(f"{run.name}/")]
+            counts = Counter(closure_of(name) for name in own)
+            layers = [f"{count} {name.partition('/')[2]}".strip() for name, count in counts.items()]
+            taken = taken_spacing(run, program.settings.spacing)
+            merged = f", merged from {run.spacing:g} mm" if taken > run.spacing else ""
+            lines.append(f"{run.name}: {', '.join(layers)}; a stitch every {taken:.4g} mm{merged}")
+    return lines
 
 
 def _epoch_line(epoch: Epoch, program: Program) -> str:

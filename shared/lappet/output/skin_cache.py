@@ -23,7 +23,7 @@ from lappet.output.force_errors import write_force_errors
 from lappet.output.layer_table import write_layers
 from lappet.output.seam_curves import write_seams
 from lappet.output.vessel_curves import write_vessels
-from lappet.procedure import Hook, Landmark, Procedure, Suture
+from lappet.procedure import Hook, Landmark, Procedure
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_points
 from lappet.solve.measures import FrameMeasures
@@ -102,8 +102,8 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     for epoch in shown:
         own = [frame for frame in frames if epochs[frame.time] == epoch.index]
         write_epoch(stage, epoch, layers, own, times, program.fps)
-    _write_sutures(stage, procedure, program, frames)
-    _write_threads(stage, procedure, program, frames)
+    _write_sutures(stage, program, frames)
+    _write_threads(stage, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
     write_vessels(stage, program, frames)
@@ -123,12 +123,11 @@ def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequen
     layer.customLayerData = {"lappet": {"version": version(), "spacing": program.settings.spacing, "lastKey": last_key}}
 
 
-def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
+def _write_sutures(stage: Any, program: Program, frames: Sequence[SolvedFrame]) -> None:
     """Two points per suture, in the order in which they are placed; on one spot until then."""
     if not program.sutures:
         return
-    first = {event.name: event.anchors[0] for event in procedure.events if isinstance(event, Suture)}
-    held = np.array([[first[name]] * 2 for name in program.sutures], np.float64)
+    held = np.array([[suture.anchors[0]] * 2 for suture in program.stitches], np.float64)
     curves = _curves(stage, "/Procedure/Skin/Sutures", program.sutures, _THREAD_MM, (0.08, 0.12, 0.35))
     usd = pxr()
     pull = usd.UsdGeom.PrimvarsAPI(curves).CreatePrimvar(
@@ -147,13 +146,13 @@ def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: S
         _set_curves(curves, held, active, frame.time)
 
 
-def _write_threads(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
+def _write_threads(stage: Any, program: Program, frames: Sequence[SolvedFrame]) -> None:
     """All bites of the threads that have more than two, in the order of each; on one spot until they are placed."""
-    events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
-    names = [name for name in program.sutures if len(events[name].anchors) > 2]
-    if not names:
+    threads = [suture for suture in program.stitches if len(suture.anchors) > 2]
+    if not threads:
         return
-    held = {name: np.array(events[name].anchors[:1] * len(events[name].anchors), np.float64) for name in names}
+    names = [suture.name for suture in threads]
+    held = {suture.name: np.array(suture.anchors[:1] * len(suture.anchors), np.float64) for suture in threads}
     curves = _curves(stage, "/Procedure/Skin/Threads", names, _THREAD_MM, (0.08, 0.12, 0.35))
     counts = np.array([len(held[name]) for name in names], np.int32)
     curves.GetCurveVertexCountsAttr().Set(pxr().Vt.IntArray.FromNumpy(counts))

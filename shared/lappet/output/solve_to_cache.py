@@ -200,10 +200,10 @@ def solve_procedure(
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     if not wanted and result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
-    gauges = Gauges(procedure, program)
+    gauges = Gauges(program)
     measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
     found = fallbacks(program, result.frames) + stability_notes(result.frames) + overlap_notes(program, result.frames)
-    found += suture_warnings(procedure, [row for each in measures for row in each.sutures])
+    found += suture_warnings(program, [row for each in measures for row in each.sutures])
     errors = None
     if error_estimate and result.frames:
         errors = _estimate(program, result, store, connect, solver, found)

@@ -17,7 +17,6 @@ from lappet.procedure.events import (
     Retractor,
     Section,
     Suture,
-    SutureMode,
     Traction,
     Undermine,
 )
@@ -26,6 +25,14 @@ from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
 from lappet.procedure.skin_line import SkinLine
+from lappet.procedure.suture_run import (
+    SKIN_LAYER,
+    SutureLayer,
+    SutureMode,
+    SutureOrder,
+    SuturePattern,
+    SutureRun,
+)
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Roller, Tissue
 from lappet.procedure.vessel import VESSEL_KINDS, Vessel, VesselKind
 
@@ -38,6 +45,7 @@ __all__ = [
     "MODELS",
     "POSITIONS",
     "SCENERY_KINDS",
+    "SKIN_LAYER",
     "VESSEL_KINDS",
     "Basis",
     "Bone",
@@ -58,7 +66,11 @@ __all__ = [
     "Section",
     "SkinLine",
     "Suture",
+    "SutureLayer",
     "SutureMode",
+    "SutureOrder",
+    "SuturePattern",
+    "SutureRun",
     "Tissue",
     "Traction",
     "Undermine",

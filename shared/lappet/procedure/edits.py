@@ -8,7 +8,7 @@ from typing import Any
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure.events import Event, retimed
+from lappet.procedure.events import Event, kind_words, retimed
 from lappet.procedure.history import Edit
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
 from lappet.procedure.procedure import Procedure
@@ -39,7 +39,7 @@ def add_event(event: Event, index: int | None = None) -> Edit:
         events.insert(len(events) if index is None else index, event)
         return replace(procedure, events=tuple(events))
 
-    return Edit(f"Add {event.kind.lower()} {event.name}", edited)
+    return Edit(f"Add {kind_words(event)} {event.name}", edited)
 
 
 def remove_event(name: str) -> Edit:

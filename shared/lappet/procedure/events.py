@@ -1,7 +1,7 @@
 """The surgical events of a timeline: what is cut, freed, pulled, gripped, loaded, sewn, followed and measured.
 
-Below the classes is what differs from event to event and belongs to none of the later stages: when an event begins, how
-it is shifted in time, and its line in the storyboard.
+Below the classes is what differs from event to event and belongs to none of the later stages: when an event begins, and
+how it is shifted in time. `event_text.py` has its line in the storyboard.
 
 All points are material (rest) coordinates in mm; times are USD time codes; stiffness is in mN/mm.
 """
@@ -9,7 +9,6 @@ All points are material (rest) coordinates in mm; times are USD time codes; stif
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import ClassVar, Literal
@@ -19,12 +18,11 @@ import numpy as np
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure.exact_values import Point, double_point, set_fields, single_points
-from lappet.procedure.plain_text import number, place
 from lappet.procedure.prim_paths import TIMELINE
+from lappet.procedure.suture_run import SutureMode, SutureRun
 from lappet.procedure.threads import THREADS
 
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
-SutureMode = Literal["exact", "thread"]
 
 
 @dataclass(frozen=True)
@@ -367,7 +365,9 @@ LOADS = (Traction, Pressure)  # these too
 MEASURES = (Landmark, Section)  # these have no time
 
 
-Event = Incision | Excision | Undermine | Hook | Retractor | Traction | Pressure | Suture | Landmark | Section
+Event = (
+    Incision | Excision | Undermine | Hook | Retractor | Traction | Pressure | Suture | SutureRun | Landmark | Section
+)
 
 
 def begins(event: Event) -> float:
@@ -427,38 +427,14 @@ def retimed(event: Event, shift: float) -> Event:
         case Pressure():
             pressure = tuple((time + shift, value) for time, value in event.pressure)
             return replace(event, start=event.start + shift, release=event.release + shift, pressure=pressure)
-        case Suture():
+        case Suture() | SutureRun():
             return replace(event, start=event.start + shift)
         case Landmark() | Section():
-            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", event.kind.lower(), name=event.name)
+            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", kind_words(event), name=event.name)
 
 
-def duration_text(event: Event) -> str:
-    """Write when an event acts, as the storyboard does.
-
-    Parameters
-    ----------
-    event
-        The event.
-
-    Returns
-    -------
-    str
-        A time code, two with a dash, or "always".
-    """
-    match event:
-        case Hook() | Retractor() | Traction() | Pressure():
-            return f"{number(event.start)} – {number(event.release)}"
-        case Suture():
-            return f"{number(event.start)} – {number(event.start + event.duration)}"
-        case Landmark() | Section():
-            return "always"
-        case _:
-            return number(event.time)
-
-
-def describe(event: Event) -> str:
-    """Describe what an event does, in a few words with units.
+def kind_words(event: Event) -> str:
+    """Write the kind of an event as people say it.
 
     Parameters
     ----------
@@ -468,64 +444,6 @@ def describe(event: Event) -> str:
     Returns
     -------
     str
-        A part of a sentence.
+        The words: "sutures" of a run of them.
     """
-    match event:
-        case Incision():
-            depth = "through" if event.depth is None else f"{number(event.depth)} mm deep"
-            closed = ", closed" if event.closed else ""
-            return f"{depth}, {_curve(event.points, event.basis, event.closed)}{closed}, kerf {number(event.kerf)} mm"
-        case Excision():
-            return "discards the fragment at " + " and ".join(place(seed) for seed in event.seeds)
-        case Undermine():
-            return f"frees the bed inside {_curve(event.points, event.basis, True)}"
-        case Hook():
-            last = event.targets[-1][1] if event.targets else event.anchor
-            travel = math.dist(event.anchor, last)
-            return f"{place(event.anchor)} drawn {number(travel)} mm to {place(last)}, {number(event.stiffness)} mN/mm"
-        case Retractor():
-            return f"moves {event.grip!r}{_motion(event)}"
-        case Suture():
-            ends = f"{place(event.anchors[0])} to {place(event.anchors[-1])}"
-            if len(event.anchors) == 2:
-                return f"{ends}, {number(event.rest_length)} mm apart at rest, {_hold(event)}"
-            bites = f"through {len(event.anchors)} bites, {number(event.rest_length)} mm of thread at rest"
-            return f"{ends} {bites}, {_hold(event)}"
-        case Traction():
-            most = max((value for _, value in event.traction), key=lambda each: math.hypot(*each), default=(0.0,) * 3)
-            return f"{place(most)} kPa at most on {event.faces!r}"
-        case Pressure():
-            peak = max((value for _, value in event.pressure), key=abs, default=0.0)
-            return f"{number(peak)} kPa at most on {event.faces!r}"
-        case Landmark():
-            return f"{event.label!r} at " + " and ".join(place(point) for point in event.points)
-        case Section():
-            return f"{event.label!r} through {place(event.point)} across {place(event.normal)}"
-
-
-def _curve(points: Sequence[Point], basis: str, closed: bool) -> str:
-    ring = [*points, points[0]] if closed and points else list(points)
-    if basis == "linear":
-        return f"{number(sum(math.dist(a, b) for a, b in pairwise(ring)))} mm through {len(points)} points"
-    return f"a {basis} curve of {len(points)} points"
-
-
-def _hold(event: Suture) -> str:
-    """How a suture holds."""
-    if event.mode == "exact":
-        return "closed exactly"
-    thread = f"{event.thread}, " if event.thread else ""
-    most = f" with {number(event.tension)} mN at most" if event.tension > 0.0 else ""
-    return f"{thread}{number(event.axial_stiffness)} mN/mm, drawn to {number(event.length)} mm{most}"
-
-
-def _motion(event: Retractor) -> str:
-    samples = [np.array(matrix).reshape(4, 4) for _, matrix in event.motion if len(matrix) == 16]
-    if not samples:
-        return ""
-    with np.errstate(invalid="ignore"):
-        turn = samples[0][:3, :3].T @ samples[-1][:3, :3]
-        angle = math.degrees(math.acos(float(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
-    travel = number(float(np.linalg.norm(samples[-1][3, :3] - samples[0][3, :3])))
-    turned = f" and turns it by {angle:.3g}°" if angle > 0.05 else ""
-    return f" by {travel} mm{turned} over {len(samples)} samples"
+    return "sutures" if isinstance(event, SutureRun) else event.kind.lower()

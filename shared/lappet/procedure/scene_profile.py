@@ -24,6 +24,7 @@ from lappet.procedure.events import (
     Traction,
     Undermine,
 )
+from lappet.procedure.suture_run import SutureRun
 from lappet.procedure.tissue import Material
 
 if TYPE_CHECKING:
@@ -64,8 +65,8 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         count = len(tissue.subsets.get(subset, ()))
         return f"{count} face{'' if count == 1 else 's'} in /Procedure/Tissue/{subset}" if count else ""
 
-    def events(kind: type[Event]) -> str:
-        return _named(f"/Procedure/Timeline/{event.name}" for event in procedure.events if isinstance(event, kind))
+    def events(*kinds: type[Event]) -> str:
+        return _named(f"/Procedure/Timeline/{event.name}" for event in procedure.events if isinstance(event, kinds))
 
     def of_materials(chosen: Sequence[Material]) -> str:
         return _named(f"/Procedure/Materials/{material.name}" for material in chosen)
@@ -78,7 +79,7 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         "excisions": events(Excision),
         "hooks": events(Hook),
         "retractors": events(Retractor),
-        "sutures": events(Suture),
+        "sutures": events(Suture, SutureRun),
         "tractions": events(Traction),
         "pressures": events(Pressure),
         "rollers": _named(f"/Procedure/Tissue/{roller.faces}" for roller in tissue.rollers),

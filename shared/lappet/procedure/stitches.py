@@ -19,7 +19,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,31 @@ FAR, NEAR, SHALLOW = 6.0, 1.5, 1.0
 
 MATTRESS, ALONG = 6.0, 6.0
 """Distance of the bites of a horizontal mattress suture from the edge, and from each other along it, in mm."""
+
+
+class StitchPlace(Protocol):
+    """A place on a wound at which a stitch is made."""
+
+    def bite(self, side: int, distance: float, depth: float = 0.0, along: float = 0.0) -> Bite:
+        """Find a point of the tissue beside the wound.
+
+        Parameters
+        ----------
+        side
+            -1 or 1: before or behind the wound, in the direction across it.
+        distance
+            Distance from its edge in mm.
+        depth
+            Depth below the skin in mm.
+        along
+            How far along the wound in mm.
+
+        Returns
+        -------
+        Bite
+            The point.
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -58,7 +83,7 @@ class Station:
     outward: Point = (0.0, 0.0, 1.0)
     gap: float = 0.0
 
-    def bite(self, side: int, distance: float, depth: float = 0.0, along: float = 0.0) -> _Bite:
+    def bite(self, side: int, distance: float, depth: float = 0.0, along: float = 0.0) -> Bite:
         """Find a point of the tissue beside the wound.
 
         Parameters
@@ -74,7 +99,7 @@ class Station:
 
         Returns
         -------
-        _Bite
+        Bite
             The point in mm at rest, and where it is when the lips meet at the middle of the wound.
         """
         outward = np.asarray(self.outward, np.float64) / math.hypot(*self.outward)
@@ -83,12 +108,20 @@ class Station:
         across /= np.linalg.norm(across)
         closed = np.asarray(self.spot) + side * distance * across - depth * outward
         closed += along * np.cross(outward, across)
-        return _Bite(closed + 0.5 * side * self.gap * across, closed)
+        return Bite(closed + 0.5 * side * self.gap * across, closed)
 
 
 @dataclass(frozen=True, eq=False)
-class _Bite:
-    """A point in mm at rest, and when the wound is closed."""
+class Bite:
+    """A point of the tissue that a stitch holds.
+
+    Parameters
+    ----------
+    rest
+        The point in mm at rest, shape (3,).
+    closed
+        Where it is in mm when the lips of the wound meet, shape (3,).
+    """
 
     rest: NDArray[np.float64]
     closed: NDArray[np.float64]
@@ -134,7 +167,7 @@ class Stitch:
         return Suture(name, self.bites, start, mode="thread", length=drawn * self.length, **values)
 
 
-def simple(at: Station, bite: float = BITE, depth: float = 0.0) -> Stitch:
+def simple(at: StitchPlace, bite: float = BITE, depth: float = 0.0) -> Stitch:
     """Make a simple interrupted stitch: across the wound in the tissue and back over it.
 
     Parameters
@@ -156,7 +189,7 @@ def simple(at: Station, bite: float = BITE, depth: float = 0.0) -> Stitch:
 
 
 def vertical_mattress(
-    at: Station, depth: float, far: float = FAR, near: float = NEAR, shallow: float = SHALLOW
+    at: StitchPlace, depth: float, far: float = FAR, near: float = NEAR, shallow: float = SHALLOW
 ) -> Stitch:
     """Make a vertical mattress stitch, far-far-near-near: deep across the wound and back just below the skin.
 
@@ -181,7 +214,7 @@ def vertical_mattress(
     return _stitch(_tied([*_through(at, far, depth), *reversed(_through(at, near, shallow))]))
 
 
-def horizontal_mattress(at: Station, depth: float, bite: float = MATTRESS, along: float = ALONG) -> Stitch:
+def horizontal_mattress(at: StitchPlace, depth: float, bite: float = MATTRESS, along: float = ALONG) -> Stitch:
     """Make a horizontal mattress stitch: across the wound, along its edge on the skin, and back across it.
 
     Parameters
@@ -204,7 +237,7 @@ def horizontal_mattress(at: Station, depth: float, bite: float = MATTRESS, along
     return _stitch(_tied([*first, *reversed(second)]))
 
 
-def half_buried_mattress(at: Station, depth: float, bite: float = MATTRESS, along: float = ALONG) -> Stitch:
+def half_buried_mattress(at: StitchPlace, depth: float, bite: float = MATTRESS, along: float = ALONG) -> Stitch:
     """Make a half-buried horizontal mattress stitch: behind the wound it stays in the tissue, as in the tip of a flap.
 
     Parameters
@@ -227,7 +260,7 @@ def half_buried_mattress(at: Station, depth: float, bite: float = MATTRESS, alon
     return _stitch(_tied([*first[:3], *reversed(second[:3])]))
 
 
-def deep_dermal(at: Station, depth: float, shallow: float = SHALLOW, bite: float = BITE) -> Stitch:
+def deep_dermal(at: StitchPlace, depth: float, shallow: float = SHALLOW, bite: float = BITE) -> Stitch:
     """Make a buried stitch: up on one side, across, down on the other and tied below.
 
     Parameters
@@ -250,7 +283,7 @@ def deep_dermal(at: Station, depth: float, shallow: float = SHALLOW, bite: float
     return _stitch(_tied([at.bite(side, bite, below) for side, below in corners]))
 
 
-def figure_of_eight(at: Station, depth: float, bite: float = BITE, along: float = ALONG) -> Stitch:
+def figure_of_eight(at: StitchPlace, depth: float, bite: float = BITE, along: float = ALONG) -> Stitch:
     """Make a figure-of-eight: two passes from one side to the other, whose threads cross above the wound.
 
     Parameters
@@ -273,7 +306,7 @@ def figure_of_eight(at: Station, depth: float, bite: float = BITE, along: float 
     return _stitch(_tied([*passes[0], *passes[1]]))
 
 
-def running(stations: Sequence[Station], bite: float = BITE, depth: float = 0.0) -> Stitch:
+def running(stations: Sequence[StitchPlace], bite: float = BITE, depth: float = 0.0) -> Stitch:
     """Make a running suture: the same pass at each place, one thread over the wound from each to the next.
 
     Parameters
@@ -293,16 +326,16 @@ def running(stations: Sequence[Station], bite: float = BITE, depth: float = 0.0)
     return _stitch([place for at in stations for place in _through(at, bite, depth)])
 
 
-def _through(at: Station, bite: float, depth: float, along: float = 0.0) -> list[_Bite]:
+def _through(at: StitchPlace, bite: float, depth: float, along: float = 0.0) -> list[Bite]:
     """A pass across the wound: in, down, across, up and out; at no depth from one side to the other."""
     corners = [(-1, 0.0), (-1, depth), (1, depth), (1, 0.0)] if depth > 0.0 else [(-1, 0.0), (1, 0.0)]
     return [at.bite(side, bite, below, along) for side, below in corners]
 
 
-def _tied(bites: list[_Bite]) -> list[_Bite]:
+def _tied(bites: list[Bite]) -> list[Bite]:
     return [*bites, bites[0]]
 
 
-def _stitch(bites: Sequence[_Bite]) -> Stitch:
+def _stitch(bites: Sequence[Bite]) -> Stitch:
     length = sum((float(np.linalg.norm(a.closed - b.closed)) for a, b in pairwise(bites)), 0.0)
     return Stitch(tuple(double_point(bite.rest.tolist()) for bite in bites), length)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lappet.procedure.events import Event, Landmark, begins, describe, duration_text
+from lappet.procedure.event_text import describe, duration_text
+from lappet.procedure.events import Event, Landmark, begins, kind_words
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
@@ -50,7 +51,7 @@ def storyboard(procedure: Procedure) -> str:
     width = max((len(event.name) for event in procedure.events), default=0)
     for event in in_time_order(procedure.events):
         lines.append(
-            f"  {duration_text(event):>11}  {event.kind.lower():<9}  {event.name:<{width}}  {describe(event)}".rstrip()
+            f"  {duration_text(event):>11}  {kind_words(event):<9}  {event.name:<{width}}  {describe(event)}".rstrip()
         )
     return "\n".join(lines)
 
@@ -77,8 +78,9 @@ def inspection(
     lattice: Sequence[str] = (),
     notes: Sequence[str] = (),
     costs: Mapping[str, str] | None = None,
+    runs: Sequence[str] = (),
 ) -> str:
-    """Compose what `lappet inspect` prints: storyboard, epochs, scene profile, lattice counts, notes.
+    """Compose what `lappet inspect` prints: storyboard, epochs, suture runs, scene profile, lattice counts, notes.
 
     Parameters
     ----------
@@ -92,6 +94,8 @@ def inspection(
         Further lines.
     costs
         What features cost, as text by name.
+    runs
+        A line for each suture run.
 
     Returns
     -------
@@ -101,6 +105,7 @@ def inspection(
     parts = [storyboard(procedure)]
     for title, lines in (
         ("Epochs", epochs),
+        ("Suture runs", runs),
         ("Scene profile", profile_lines(procedure, costs)),
         ("Lattice", lattice),
         ("Notes", notes),

@@ -29,6 +29,7 @@ from lappet.program.materials import activation, materials_in_use, parameters, r
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
+from lappet.suturing.single_sutures import with_single_sutures
 from lappet.tissue.rest_space import RestSpace
 from lappet.tissue.surface import tissue_surface
 
@@ -46,7 +47,7 @@ def compile_program(
 
     A frame belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at
     the ends. A hook or retractor acts from `start` until before `release`; a suture from `start` on, its closure
-    growing linearly over `duration`.
+    growing linearly over `duration`; the stitches of suture runs are sutures.
 
     Parameters
     ----------
@@ -71,9 +72,9 @@ def compile_program(
         bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
         prim.
     """
-    spacing = settings.spacing or procedure.tissue.spacing
+    spacing = settings.spacing or procedure.tissue.spacing  # also says how finely the surface is divided
+    procedure = with_single_sutures(procedure, spacing)
     if epochs is None:
-        # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
     materials = with_line_tension(procedure, materials_in_use(procedure))
     regions = region_program(procedure, materials)
@@ -104,14 +105,14 @@ def compile_program(
         for time in own:
             acting = {**events.arrays(time, anchors_of), "activation": activation(materials, time)}
             frames.append(FrameConstraints(float(time), epoch.index, **acting))
-    sutures = tuple(suture.name for suture in events.sutures)
+    crossed = crossed_sutures(epochs, frames, events.sutures, spacing)
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
         settings=_with_tissue(replace(settings, spacing=spacing), procedure, events, materials),
         fps=procedure.fps,
         hooks=tuple(hook.name for hook in events.hooks_by_start),
-        sutures=sutures,
+        stitches=events.sutures,
         retractors=tuple(retractor.name for retractor in events.retractors),
         landmarks=_labels(events.marks),
         fixed_parts=parts.names,
@@ -124,7 +125,7 @@ def compile_program(
         vessels_at=tuple(vessels.values()),
         vessel_crossings=crossings,
         bones=bones,
-        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing), *crossing_warnings(procedure, crossings)),
+        notes=(*moved, *crossed, *crossing_warnings(procedure, crossings)),
     )
 
 

@@ -20,6 +20,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import place
+from lappet.procedure import Suture
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import FrameConstraints
 from lappet.program.thread_pieces import bites_at_wounds, thread_pieces
@@ -46,7 +47,7 @@ class _Ends:
 
 
 def crossed_sutures(
-    epochs: Sequence[Epoch], frames: Sequence[FrameConstraints], names: Sequence[str], spacing: float
+    epochs: Sequence[Epoch], frames: Sequence[FrameConstraints], sutures: Sequence[Suture], spacing: float
 ) -> list[Problem]:
     """Find sutures that cross others along the edges of the wounds that they close.
 
@@ -56,8 +57,8 @@ def crossed_sutures(
         The epochs.
     frames
         The frames.
-    names
-        Names of the sutures by their number.
+    sutures
+        The sutures by their number.
     spacing
         Lattice spacing in mm.
 
@@ -85,11 +86,11 @@ def crossed_sutures(
         of = {suture: [pair for pair in crossing if suture in pair] for pair in crossing for suture in pair}
         worst = max(of, key=lambda suture: (len(of[suture]), suture))
         others = sorted(next(iter(pair - {worst})) for pair in of[worst])
-        said = " and ".join(names[other] for other in others[:NAMED])
+        said = " and ".join(sutures[other].name for other in others[:NAMED])
         more = len(others) - NAMED
         said += f" and {more} more" if more > 0 else ""
         ends = crossing[of[worst][0]]
-        code, path = ProblemCode.SUTURES_CROSSED, f"{TIMELINE}/{names[worst]}"
+        code, path = ProblemCode.SUTURES_CROSSED, f"{TIMELINE}/{sutures[worst].name}"
         middle = f"{place(np.round(ends.mean(axis=0), 2))} mm"
         found.append(problem(code, path, said, place=Place.at(*ends), where=middle))
         for pair in of[worst]:

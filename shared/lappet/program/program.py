@@ -11,7 +11,7 @@ from lappet.anatomy.vessel_crossings import VesselCrossing
 from lappet.anatomy.vessel_pieces import VesselPieces
 from lappet.core.problem import Problem
 from lappet.cutting.epoch import Epoch, no_entries
-from lappet.procedure import Vessel
+from lappet.procedure import Suture, Vessel
 from lappet.program.settings import SolverSettings
 
 
@@ -165,8 +165,8 @@ class Program:
         Time codes per second.
     hooks
         Names of the hooks.
-    sutures
-        Names of the sutures.
+    stitches
+        The sutures, those of suture runs among them.
     retractors
         Names of the retractors.
     landmarks
@@ -200,7 +200,7 @@ class Program:
     bones: Bones = field(default_factory=Bones)
     fps: float = 24.0
     hooks: tuple[str, ...] = ()
-    sutures: tuple[str, ...] = ()
+    stitches: tuple[Suture, ...] = ()
     retractors: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()
     fixed_parts: tuple[str, ...] = ()
@@ -213,3 +213,8 @@ class Program:
     vessels_at: tuple[VesselPieces, ...] = ()
     vessel_crossings: tuple[VesselCrossing, ...] = ()
     notes: tuple[Problem, ...] = ()
+
+    @property
+    def sutures(self) -> tuple[str, ...]:
+        """Names of the sutures."""
+        return tuple(suture.name for suture in self.stitches)

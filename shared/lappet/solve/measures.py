@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.procedure import Procedure
 from lappet.program.program import Program
 from lappet.solve.force_sums import ForceSums, force_sums
 from lappet.solve.hook_forces import HookForce, hook_forces
@@ -44,16 +43,13 @@ class Gauges:
 
     Parameters
     ----------
-    procedure
-        The procedure.
     program
-        Its program.
+        The program.
     """
 
-    def __init__(self, procedure: Procedure, program: Program) -> None:
-        self._procedure = procedure
+    def __init__(self, program: Program) -> None:
         self._program = program
-        self._seams = SeamGauges(procedure, program)
+        self._seams = SeamGauges(program)
 
     def measure(self, frame: SolvedFrame, *, tension: bool = False) -> FrameMeasures:
         """Measure a frame.
@@ -70,7 +66,7 @@ class Gauges:
         FrameMeasures
             What is measured.
         """
-        sutures = suture_forces(self._procedure, self._program, frame)
+        sutures = suture_forces(self._program, frame)
         seams = self._seams.measure(frame, sutures)
         found = None
         if tension:

@@ -16,7 +16,6 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.triangles import area_normals, directions
 from lappet.geometry.wound_edges import EdgePlace, WoundEdges
-from lappet.procedure import Procedure
 from lappet.program.program import Program
 from lappet.solve.dog_ear import DogEar, dog_ear_at
 from lappet.solve.seams import Lip, Seam, seams_of
@@ -138,15 +137,13 @@ class SeamGauges:
 
     Parameters
     ----------
-    procedure
-        The procedure.
     program
-        Its program.
+        The program.
     """
 
-    def __init__(self, procedure: Procedure, program: Program) -> None:
-        self._procedure = procedure
-        self._surfaces = {epoch.index: epoch.surface for epoch in program.epochs} if program.sutures else {}
+    def __init__(self, program: Program) -> None:
+        self._sutures = program.stitches
+        self._surfaces = {epoch.index: epoch.surface for epoch in program.epochs} if program.stitches else {}
         self._epochs = {each.time: each.epoch for each in program.frames}
         self._gauges: dict[int, list[_Gauge]] = {}
 
@@ -171,7 +168,7 @@ class SeamGauges:
         if epoch not in self._gauges:
             surface = self._surfaces[epoch]
             edges = WoundEdges(surface)
-            found = seams_of(self._procedure, surface, edges)
+            found = seams_of(self._sutures, surface, edges)
             self._gauges[epoch] = [_Gauge(surface, edges, seam) for seam in found]
         return [gauge.measure(frame, forces) for gauge in self._gauges[epoch]]
 

@@ -1,4 +1,4 @@
-"""Seams: where the sutures of a procedure draw one edge of a wound to the other, on an epoch's surface at rest.
+"""Seams: where the sutures of a program draw one edge of a wound to the other, on an epoch's surface at rest.
 
 A seam has one or more closures that lie over each other (skin, dermis …). It reaches from end to end of what they
 close: beyond the last suture on to the wound's tip or the rim of the tissue, or half way to the sutures of another
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lappet.geometry.closest_point import closest_points
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.wound_edges import EdgeLoop, EdgePlace, WoundEdges
-from lappet.procedure import Procedure, Suture
+from lappet.procedure import Suture
 from lappet.program.thread_pieces import bites_at_wounds, pieces_between
 from lappet.solve.suture_forces import closure_of, suture_number
 
@@ -116,13 +116,13 @@ class _Row:
     places: tuple[tuple[float, ...], tuple[float, ...]]
 
 
-def seams_of(procedure: Procedure, surface: Surface, edges: WoundEdges) -> tuple[Seam, ...]:
+def seams_of(sutures: Sequence[Suture], surface: Surface, edges: WoundEdges) -> tuple[Seam, ...]:
     """Find the seams of an epoch, whether or not their sutures are placed by then.
 
     Parameters
     ----------
-    procedure
-        The procedure.
+    sutures
+        The sutures of the program.
     surface
         Surface of the epoch.
     edges
@@ -134,7 +134,7 @@ def seams_of(procedure: Procedure, surface: Surface, edges: WoundEdges) -> tuple
         The seams. A closure with an anchor farther than `lappet.geometry.wound_edges.REACH` from a wound's edge, or
         whose sutures do not follow one edge of one wound on either side, belongs to none.
     """
-    rows = [row for row in _rows(procedure, surface, edges) if row is not None]
+    rows = [row for row in _rows(sutures, surface, edges) if row is not None]
     groups: list[list[_Row]] = []
     for row in sorted(rows, key=lambda row: (round(row.depth, 1), -_reach(edges, row))):
         over = next((group for group in groups if _over(edges, group[0], row)), None)
@@ -146,8 +146,7 @@ def seams_of(procedure: Procedure, surface: Surface, edges: WoundEdges) -> tuple
     return tuple(seam for seam in seams if seam is not None)
 
 
-def _rows(procedure: Procedure, surface: Surface, edges: WoundEdges) -> list[_Row | None]:
-    sutures = [event for event in procedure.events if isinstance(event, Suture)]
+def _rows(sutures: Sequence[Suture], surface: Surface, edges: WoundEdges) -> list[_Row | None]:
     if not sutures or not edges.loops:
         return []
     bites = [np.array(suture.anchors) for suture in sutures]

@@ -1,7 +1,7 @@
 """The force on each suture: along each closure, in all, at most, and the share of the donor site.
 
-A closure is what is sewn by sutures of one name with numbers: `skin_near_1`, `skin_near_2`. Its curve goes through the
-middles of their anchors at rest.
+A closure is what is sewn by sutures of one name with numbers: `skin_near_1`, `skin_near_2`, or a layer of a suture run:
+`flap/skin/1`, `flap/skin/2`. Its curve goes through the middles of their anchors at rest.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.procedure import Procedure, Suture
+from lappet.procedure import Suture
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import Program
 from lappet.program.thread_pieces import bites_at_wounds, thread_pieces
@@ -91,7 +91,7 @@ def closure_of(name: str) -> str:
     str
         Name of the closure.
     """
-    return re.sub(r"[_ -]*\d+$", "", name) or name
+    return re.sub(r"[/_ -]*\d+$", "", name) or name
 
 
 def suture_number(name: str) -> int:
@@ -111,15 +111,13 @@ def suture_number(name: str) -> int:
     return int(digits.group()) if digits else 0
 
 
-def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) -> list[SutureForce]:
+def suture_forces(program: Program, frame: SolvedFrame) -> list[SutureForce]:
     """List the forces on the sutures of a frame.
 
     Parameters
     ----------
-    procedure
-        The procedure.
     program
-        Its program.
+        The program.
     frame
         A frame of it.
 
@@ -128,8 +126,8 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     list[SutureForce]
         A row for each suture that is placed, closure by closure and along each.
     """
-    events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
-    along = _along_closures(list(events.values()))
+    events = {suture.name: suture for suture in program.stitches}
+    along = _along_closures(program.stitches)
     names = [program.sutures[i] for i in frame.suture_index]
     crossing = _Crossing.of(program, frame)
     resolved = _resolved(frame, crossing)
@@ -239,13 +237,13 @@ def closing_tension(rows: Sequence[SutureForce], scar_length: float) -> float | 
     return tension
 
 
-def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[Problem]:
+def suture_warnings(program: Program, rows: Sequence[SutureForce]) -> list[Problem]:
     """Warn of sutures that may cut through the tissue, and of those whose ends the lattice does not part.
 
     Parameters
     ----------
-    procedure
-        The procedure.
+    program
+        The program.
     rows
         The rows of all frames.
 
@@ -254,7 +252,7 @@ def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[P
     list[Problem]
         One for each such suture, of the frame in which it pulls most.
     """
-    events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
+    events = {suture.name: suture for suture in program.stitches}
     most: dict[str, SutureForce] = {}
     for row in rows:
         if row.suture not in most or row.bite_mn > most[row.suture].bite_mn:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -163,6 +164,37 @@ def curve_prim(stage: Any, usd: Any, path: str, points: ArrayLike, basis: str, c
     if basis != "linear":
         prim.CreateBasisAttr(basis)
     prim.CreateWrapAttr(tokens.periodic if closed else tokens.nonperiodic)
+    _widths(usd, prim)
+    _extent(usd, prim, points, LINE_WIDTH / 2)
+    return prim.GetPrim()
+
+
+def lines_prim(stage: Any, usd: Any, path: str, lines: Sequence[Sequence[Point]]) -> Any:
+    """Define a BasisCurves with several open polylines.
+
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    path
+        Path of the prim.
+    lines
+        Their points, mm, each of shape (n, 3).
+
+    Returns
+    -------
+    Any
+        The prim.
+    """
+    tokens = usd.UsdGeom.Tokens
+    prim = usd.UsdGeom.BasisCurves.Define(stage, path)
+    points = [point for line in lines for point in line]
+    prim.CreatePointsAttr(_vectors(usd, points))
+    prim.CreateCurveVertexCountsAttr(usd.Vt.IntArray([len(line) for line in lines]))
+    prim.CreateTypeAttr(tokens.linear)
+    prim.CreateWrapAttr(tokens.nonperiodic)
     _widths(usd, prim)
     _extent(usd, prim, points, LINE_WIDTH / 2)
     return prim.GetPrim()

@@ -25,11 +25,13 @@ from lappet.procedure import (
     Section,
     Suture,
     SutureMode,
+    SutureRun,
     Traction,
     Undermine,
 )
 from lappet.procedure.prim_paths import TIMELINE, TISSUE
 from lappet.usd.authoring import Values, curve_prim, points_prim
+from lappet.usd.suture_run_prims import read_run, run_prim, write_run
 from lappet.usd.values import Reader
 
 # The type of prim that carries each event's schema.
@@ -42,6 +44,7 @@ EVENT_PRIMS = {
     "LappetTractionAPI": "Scope",
     "LappetPressureAPI": "Scope",
     "LappetSutureAPI": "BasisCurves",
+    "LappetSutureRunAPI": "BasisCurves",
     "LappetLandmarkAPI": "Points",
     "LappetSectionAPI": "Scope",
 }
@@ -67,6 +70,8 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             prim = curve_prim(stage, usd, path, event.points, event.basis, True)
         case Suture():
             prim = curve_prim(stage, usd, path, event.anchors, "linear", False)
+        case SutureRun():
+            prim = run_prim(stage, usd, path, event)
         case Excision():
             prim = points_prim(stage, usd, path, event.seeds)
         case Landmark():
@@ -103,6 +108,8 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
                 transform.Set(usd.Gf.Matrix4d(*matrix), time)
         case Suture():
             _write_suture(values, usd, event)
+        case SutureRun():
+            write_run(values, usd, event)
         case Traction() | Pressure():
             _write_load(values, event)
         case Landmark():
@@ -192,6 +199,8 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             return Retractor(name, grip, motion, start, release)
         case "LappetTractionAPI" | "LappetPressureAPI" | "LappetSectionAPI":
             return _read_load_or_section(reader, prim, schema, tissues)
+        case "LappetSutureRunAPI":
+            return read_run(reader, prim)
         case "LappetSutureAPI":
             start = reader.number(prim, "lappet:start")
             anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))

@@ -163,6 +163,31 @@ class Reader:
             return default or ""
         return value
 
+    def texts(self, prim: Any, name: str, default: tuple[str, ...]) -> tuple[str, ...]:
+        """Read an array of tokens.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+        default
+            Texts where nothing is authored.
+
+        Returns
+        -------
+        tuple[str, ...]
+            The texts, the default where they could not be read.
+        """
+        value = self._value(prim, name, False)
+        if value is None:
+            return default
+        if isinstance(value, str) or not all(isinstance(each, str) for each in value):
+            self._wrong_type(prim, name, value, "an array of tokens")
+            return default
+        return tuple(str(each) for each in value)
+
     def flag(self, prim: Any, name: str, default: bool) -> bool:
         """Read a bool.
 

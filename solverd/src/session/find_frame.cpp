@@ -115,7 +115,7 @@ class FrameSearch {
       } else if (outcome.converged || observer_.stop()) {
         return;
       } else {
-        schedule.failed(reached, outcome.residual, found_.effort.newton_iterations, is_nearly_there(*attempt, reached));
+        schedule.failed(reached, outcome.residual, found_.effort.newton_iterations, goes_on(*attempt, reached));
       }
       if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest) {
         found_.effort.restart = doubtful_ ? Restart::kInverted : Restart::kNoEquilibrium;
@@ -124,10 +124,13 @@ class FrameSearch {
     }
   }
 
-  bool is_nearly_there(const Attempt& attempt, int load_step) const {
+  // Whether an attempt that ran out of iterations in its last load step goes on: close to an equilibrium, and where
+  // there is no load to divide, as under prestretch and weight alone, so that another attempt would go the same way.
+  bool goes_on(const Attempt& attempt, int load_step) const {
     const EquilibriumOutcome& outcome = found_.outcome;
-    return outcome.failure.code == FailureCode::kIterations && load_step + 1 == attempt.load_steps &&
-           outcome.residual <= kNearly * options_.tolerance && outcome.gap <= options_.gap_tolerance;
+    if (outcome.failure.code != FailureCode::kIterations || load_step + 1 != attempt.load_steps) return false;
+    const bool nearly = outcome.residual <= kNearly * options_.tolerance && outcome.gap <= options_.gap_tolerance;
+    return nearly || !epoch_.constraints.divides(frame_, before_);
   }
 
   // Where the surface goes through itself at the start of an attempt it cannot be kept apart.

@@ -68,6 +68,11 @@ std::vector<FrameInput> FrameConstraints<Real>::path(const FrameInput& frame, in
   return result;
 }
 
+template <class Real>
+bool FrameConstraints<Real>::divides(const FrameInput& frame, const TissueState<Real>& state) const {
+  return digest(partway(frame, 0.5, state)) != digest(partway(frame, 1.0, state));
+}
+
 // The frame at a fraction of the way.
 template <class Real>
 FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s, const TissueState<Real>& state) const {

@@ -34,6 +34,8 @@ class FrameConstraints {
   void place_sutures(const FrameInput& frame, TissueState<Real>& state) const;
   // Frames on the way from where the constraints are in a state to a frame, which is the last.
   std::vector<FrameInput> path(const FrameInput& frame, int steps, const TissueState<Real>& state) const;
+  // Whether the way to a frame has places between: hooks, sutures, retractors, loads or muscles that move on.
+  bool divides(const FrameInput& frame, const TissueState<Real>& state) const;
   // Of the muscles, per material.
   std::vector<double> activation_of(const FrameInput& frame) const {
     return frame.activation.empty() ? std::vector<double>(settings_.materials.size(), 0.0) : frame.activation;

@@ -2,8 +2,8 @@
 // rest in the same way. A state before that is not valid to start from is passed over. Halving the load stops where it
 // does not help, and all attempts together have a budget of iterations: a frame without an equilibrium ends soon. An
 // attempt that gets further along the load than any before adds to the budget, and one that runs out of iterations
-// close to an equilibrium goes on. Where tissue does not pass through tissue the state before is never passed over for
-// rest: from there the way to the frame leads through tissue.
+// close to an equilibrium, or where there is no load to halve, goes on. Where tissue does not pass through tissue the
+// state before is never passed over for rest: from there the way to the frame leads through tissue.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -31,16 +31,16 @@ class RetrySchedule {
   // Newton iterations that a load step may take once the frame has taken `used`.
   int newton_left(int used) const { return std::min(max_newton_, budget_ - used); }
   // The attempt failed in this of its load steps (from 0), at this relative residual; the frame has taken `used`
-  // iterations. nearly: it ran out of iterations in its last load step, close to an equilibrium.
-  void failed(int load_step, double residual, int used, bool nearly = false) {
+  // iterations. goes_on: it ran out of iterations in its last load step, and is to go on from there.
+  void failed(int load_step, double residual, int used, bool goes_on = false) {
     const double reached = static_cast<double>(load_step) / next_->load_steps;
     if (next_->load_steps > 1 && reached > furthest_) {
       budget_ += max_newton_;
       furthest_ = reached;
     }
     if (used >= budget_) return give_up(used);
-    next_->goes_on = nearly;
-    if (nearly) return;
+    next_->goes_on = goes_on;
+    if (goes_on) return;
     unimproved_ = load_step > 0 || residual < kHelp * residual_ ? 0 : unimproved_ + 1;
     residual_ = residual;
     if (unimproved_ < kMaxUnimproved && next_->load_steps < kMaxLoadSteps)

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <numbers>
+
 #include "cut_sheet.h"
 #include "solve/system/residual_clusters.h"
 
@@ -83,7 +86,7 @@ TEST(ResidualClusters, AskTheSameOfAPlaceInAPatchOfAnySize) {
     const std::size_t nodes = sheet.lattice.node_rest.size();
     std::vector<double> gradient(3 * nodes, 0.0), scale(nodes, force);
     gradient[0] = 1.0;
-    return clusters.norms(gradient, scale, std::vector<std::uint8_t>(nodes, 1));
+    return clusters.norms<double>(gradient, scale, std::vector<std::uint8_t>(nodes, 1), std::vector(3 * nodes, 0.0));
   };
   for (const double force : {0.0, 10.0}) {
     const ResidualNorms wide = relative(48, force), wider = relative(96, force);
@@ -94,6 +97,29 @@ TEST(ResidualClusters, AskTheSameOfAPlaceInAPatchOfAnySize) {
   // In a tissue no larger than a cluster it is one norm.
   const ResidualNorms small = relative(6, 10.0);
   EXPECT_NEAR(small.relative, small.residual / small.force_scale, 1e-12);
+}
+
+// Skin that has turned by a degree and come 32 mm far bears no force but that of single precision.
+TEST(ResidualClusters, DoNotCountWhatRoundingLeaves) {
+  const CutSheet sheet = make_cut_sheet(12, 12, 2, 0, 1.0);
+  CellMaterials skin = of_kilopascals(50.0);
+  skin.table[0].poissons_ratio = 0.49;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(std::numbers::pi / 180.0, Vec3(1.0, 2.0, 3.0).normalized()).matrix();
+  Attachments held = all_free(sheet.lattice);
+  held.node_group[0] = kFixedGroup;  // what nothing holds lies on a weak bed
+  const auto evaluate = [&]<class Real>(Real, double stretch) {
+    System<Real> system(sheet.lattice, skin, 1, held, 0, {10.0, 10.0}, Vec3::Zero());
+    std::vector<Real> u;
+    for (const Vec3& x : sheet.lattice.node_rest.all())
+      for (const double way : Vec3(stretch * turn * x - x + Vec3(3.0, -2.0, -32.0))) u.push_back(Real(way));
+    return system.evaluate(u, Multipliers{}, {});
+  };
+  const Evaluation exact = evaluate(0.0, 1.0), rounded = evaluate(0.0f, 1.0), stretched = evaluate(0.0f, 1.0003);
+  EXPECT_LT(exact.residual / exact.force_scale, 1e-9);
+  EXPECT_GT(rounded.residual / rounded.force_scale, 1e-3);
+  EXPECT_LT(rounded.relative_residual, 1e-3);
+  EXPECT_GT(stretched.relative_residual, 0.9 * evaluate(0.0, 1.0003).relative_residual);
+  EXPECT_GT(stretched.relative_residual, 1e-2);
 }
 
 }  // namespace

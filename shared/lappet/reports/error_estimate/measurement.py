@@ -167,7 +167,7 @@ def _truth(scene: EstimateScene, skin: RestSkin, store: FrameStore, connect: Con
             raise RefusedError([replace(reason, prim=f"{scene.name} at {spacing:.3g} mm")])
         positions.append(frames[-1].solved.points[skin.vertices].astype(float))
         if scene.procedure is not None:
-            measured.append(Gauges(scene.procedure, program).measure(frames[-1].solved, tension=True))
+            measured.append(Gauges(program).measure(frames[-1].solved, tension=True))
     return _Truth(richardson(*positions), (measured[-1], measured[-2]) if measured else None)
 
 
@@ -210,7 +210,7 @@ def _values(
     """What is measured at the last frame, with estimated and true errors; of a box nothing."""
     if scene.procedure is None or truth.measures is None:
         return []
-    gauges = Gauges(scene.procedure, program)
+    gauges = Gauges(program)
     own = gauges.measure(frame.solved, tension=True)
     last = replace(errors, frames=errors.frames[-1:], coarse=errors.coarse[-1:])
     (found,) = errors_of_measures(program, gauges, [frame.solved], [own], last)

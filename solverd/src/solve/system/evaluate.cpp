@@ -93,7 +93,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
       out[0] = gravity_force_[i] * static_cast<double>(u[i]);
       g[i] -= gravity_force_[i];
     })[0];
-  measure_residual(result);
+  measure_residual(u, result);
   return result;
 }
 
@@ -193,13 +193,13 @@ void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const 
 
 // The gradient of prescribed nodes is no residual but what holds them: it is set to zero.
 template <class Real>
-void System<Real>::measure_residual(Evaluation& result) {
+void System<Real>::measure_residual(std::span<const Real> u, Evaluation& result) {
   result.holding.resize(3 * prescribed_nodes_.size());
   for_each_index(prescribed_nodes_.size(), [&, g = result.gradient.data()](std::size_t k) {
     const std::size_t n = 3 * static_cast<std::size_t>(prescribed_nodes_[k]);
     for (std::size_t i = 0; i < 3; ++i) result.holding[3 * k + i] = std::exchange(g[n + i], 0.0);
   });
-  const ResidualNorms norms = clusters_.norms(result.gradient, node_scale_, free_);
+  const ResidualNorms norms = clusters_.norms<Real>(result.gradient, node_scale_, free_, u);
   result.residual = norms.residual;
   result.force_scale = norms.force_scale;
   result.relative_residual = norms.relative;
@@ -214,7 +214,7 @@ template void System<float>::add_resting_faces(std::span<const float>, Evaluatio
 template double System<float>::largest_step(std::span<const float>, std::span<const float>, double) const;
 template void System<float>::add_point_constraints(std::span<const float>, const Multipliers&, Evaluation&) const;
 template void System<float>::add_drift(std::span<const float>, Evaluation&) const;
-template void System<float>::measure_residual(Evaluation&);
+template void System<float>::measure_residual(std::span<const float>, Evaluation&);
 template Evaluation System<float>::evaluate(std::span<const float>, const Multipliers&, Evaluation);
 template double System<double>::add_face_constraints(std::span<const double>, const Multipliers&,
                                                      std::span<double>) const;
@@ -225,7 +225,7 @@ template void System<double>::add_resting_faces(std::span<const double>, Evaluat
 template double System<double>::largest_step(std::span<const double>, std::span<const double>, double) const;
 template void System<double>::add_point_constraints(std::span<const double>, const Multipliers&, Evaluation&) const;
 template void System<double>::add_drift(std::span<const double>, Evaluation&) const;
-template void System<double>::measure_residual(Evaluation&);
+template void System<double>::measure_residual(std::span<const double>, Evaluation&);
 template Evaluation System<double>::evaluate(std::span<const double>, const Multipliers&, Evaluation);
 
 }  // namespace lappet

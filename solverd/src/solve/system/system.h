@@ -183,7 +183,7 @@ class System {
   double off(const RollerRow& row, std::span<const Real> u) const;
   void add_rollers(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
   void mark_rolling_fragments(std::vector<std::uint8_t>& held) const;
-  void measure_residual(Evaluation& result);
+  void measure_residual(std::span<const Real> u, Evaluation& result);
 
   void find_fragments();
   std::size_t fragment(std::size_t node) const {

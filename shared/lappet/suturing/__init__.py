@@ -1,0 +1,12 @@
+"""Sutures along the edges of a wound: the single stitches of a run.
+
+`single_sutures` replaces the runs of a procedure by their stitches, before the procedure is compiled; the daemon knows
+single sutures only.
+"""
+
+from __future__ import annotations
+
+from lappet.suturing.run_stitches import RunStitches, run_stitches
+from lappet.suturing.single_sutures import with_single_sutures
+
+__all__ = ["RunStitches", "run_stitches", "with_single_sutures"]
