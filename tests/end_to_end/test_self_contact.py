@@ -59,8 +59,7 @@ def test_the_ellipse_closes_without_passing_through_itself(tmp_path: Path) -> No
 
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
-@pytest.mark.parametrize("example", ["z_plasty", "rhomboid"])
-def test_flaps_change_places_without_passing_through_themselves(example: str, tmp_path: Path) -> None:
-    through = frames_that_pass_through(example, 2.0, False, tmp_path / "off")
+def test_flaps_change_places_without_passing_through_themselves(tmp_path: Path) -> None:
+    through = frames_that_pass_through("z_plasty", 2.0, False, tmp_path / "off")
     assert through, "the test shows nothing where nothing meets"
-    assert frames_that_pass_through(example, 2.0, True, tmp_path / "on") == []
+    assert frames_that_pass_through("z_plasty", 2.0, True, tmp_path / "on") == []

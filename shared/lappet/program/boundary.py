@@ -24,6 +24,7 @@ def with_boundaries(
     parts: FixedParts,
     events: TimedEvents,
     own_times: Mapping[int, Sequence[float]],
+    self_contact: bool = False,
 ) -> list[Epoch]:
     """Give epochs what their faces are.
 
@@ -39,6 +40,8 @@ def with_boundaries(
         The events.
     own_times
         Frames of each epoch by its index, time codes.
+    self_contact
+        Whether tissue is kept from passing through tissue: walls of wounds are named then.
 
     Returns
     -------
@@ -50,9 +53,10 @@ def with_boundaries(
     RefusedError
         If a load or a roller names faces that are not there.
     """
-    return [
+    bounded = [
         replace(epoch, boundary=boundary_of(epoch, tissue, parts, events, own_times[epoch.index])) for epoch in epochs
     ]
+    return with_walls(bounded) if self_contact else bounded
 
 
 def with_walls(epochs: Sequence[Epoch]) -> list[Epoch]:

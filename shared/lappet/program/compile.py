@@ -21,7 +21,7 @@ from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, 
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import OFF_TISSUE, AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
-from lappet.program.boundary import with_boundaries, with_walls
+from lappet.program.boundary import with_boundaries
 from lappet.program.crossed_sutures import crossed_sutures
 from lappet.program.fixed_parts import FixedParts
 from lappet.program.ground import on_ground
@@ -85,9 +85,7 @@ def compile_program(
     events = TimedEvents.of(procedure)
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
-    epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times)
-    if settings.self_contact:
-        epochs = with_walls(epochs)
+    epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, settings.self_contact)
     loss = _tissue_loss(procedure)
     off = loss.distance(events.anchors())
     vessels, crossings = _vessels(procedure, epochs, spacing)

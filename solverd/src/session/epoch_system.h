@@ -25,7 +25,7 @@ struct EpochSystem {
 
   Surface surface;
   std::vector<std::uint8_t> walls;  // of wounds, per triangle; empty: none
-  Box3 box;  // around it
+  Box3 box;                         // around it
   Lattice lattice;
   LoadedFacesByIndex loaded;
   std::vector<Section> sections;

@@ -164,8 +164,7 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
     constraints.back().id = id_of(hook);
   }
   for (const auto& suture : frame.sutures) {
-    constraints.push_back(
-        suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)]));
+    constraints.push_back(suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)]));
     constraints.back().id = id_of(suture);
   }
   return constraints;

@@ -56,9 +56,9 @@ class FrameConstraints {
   PointConstraint suture_constraint(const SutureState& suture, const double* gap) const;
   // What a suture holds, end to end.
   std::vector<const AnchorStencil*> stencils_of(const SutureState& suture) const;
-  // Of the two ends where tissue presses on tissue: each goes out to the middle between the walls that the suture brings
-  // together, so that the ends meet where these touch. Null where it brings none together. Found once an epoch, on the
-  // surface at rest.
+  // Of the two ends where tissue presses on tissue: each goes out to the middle between the walls that the suture
+  // brings together, so that the ends meet where these touch. Null where it brings none together. Found once an epoch,
+  // on the surface at rest.
   using Ends = std::pair<AnchorStencil, AnchorStencil>;
   const Ends* ends_between_walls(const SutureState& suture) const;
   std::optional<Ends> find_ends_between_walls(const SutureState& suture) const;
@@ -74,7 +74,7 @@ class FrameConstraints {
   System<Real>& system_;
   Vec3 lowest_, highest_;
   mutable std::optional<AnchorStencils> stencil_maker_;
-  mutable std::map<std::array<double, 4>, AnchorStencil> stencils_;  // by rest point and triangle
+  mutable std::map<std::array<double, 4>, AnchorStencil> stencils_;         // by rest point and triangle
   mutable std::map<std::int32_t, std::optional<Ends>> ends_between_walls_;  // by suture
 };
 

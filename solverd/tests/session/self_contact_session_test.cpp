@@ -185,7 +185,8 @@ TEST(SelfContactSession, ASutureBringsTheSameWallsTogetherWhereverTheSolveIsResu
   Surface surface = grid_box({0, 0, 0}, {6, 6, 3}, 1.0);
   append(surface, grid_box({10, 0, 0}, {16, 6, 3}, 1.0));
   EpochInput epoch = make_epoch(
-      surface, [](const Vec3& c) { return c[0] < 1e-9; }, [](const Vec3& c) { return c[1] > 6 - 1e-9 && c[0] > 9 ? 0 : -1; });
+      surface, [](const Vec3& c) { return c[0] < 1e-9; },
+      [](const Vec3& c) { return c[1] > 6 - 1e-9 && c[0] > 9 ? 0 : -1; });
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const Vec3 c = center(surface, t);
     epoch.walls.push_back(std::abs(c[0] - 6) < 1e-9 || (c[0] > 9 && c[1] < 1e-9));

@@ -29,9 +29,9 @@ inline std::array<Vec3, 4> at(std::span<const Vec3> field, const std::array<Inde
   return {field[vertices[0]], field[vertices[1]], field[vertices[2]], field[vertices[3]]};
 }
 
-// The least areas that a vertex and an edge stand for, in squares of the spacing: a sliver, and the tip of a flap, bears
-// what the cell that carries it presses with, and a single pair of edges what a whole ridge does. With less of it the
-// barrier would bear such a load only at a tiny distance, along which no step can slide.
+// The least areas that a vertex and an edge stand for, in squares of the spacing: a sliver, and the tip of a flap,
+// bears what the cell that carries it presses with, and a single pair of edges what a whole ridge does. With less of it
+// the barrier would bear such a load only at a tiny distance, along which no step can slide.
 inline constexpr double kMinArea = 1.0, kMinEdgeArea = 1.0;
 
 class ContactSurface {

@@ -37,9 +37,9 @@ TangentRow row_of(const std::array<double, 4>& weights, const Vec3& vector) {
   return row;
 }
 
-// What a way adds to the Hessian beside the distance's own part: f (a b^T + b a^T) + f d b b^T, a the slide along it and
-// b the tilt, which are orthogonal. Its positive eigenvalue and its negative one, each with the square root of its size
-// on a unit eigenvector.
+// What a way adds to the Hessian beside the distance's own part: f (a b^T + b a^T) + f d b b^T, a the slide along it
+// and b the tilt, which are orthogonal. Its positive eigenvalue and its negative one, each with the square root of its
+// size on a unit eigenvector.
 struct SlideAndTilt {
   TangentRow positive, negative;
 };
@@ -58,7 +58,8 @@ SlideAndTilt slide_and_tilt(const TouchingPair& pair, const Way& way) {
     const double scale = std::sqrt(std::abs(eigenvalue)) / std::hypot(coupling, of_tilt);
     TangentRow result;
     for (int k = 0; k < 4; ++k)
-      result[k] = scale * (coupling * pair.weights[k] / slide * way.direction + of_tilt * way.turn[k] / tilt * pair.normal);
+      result[k] =
+          scale * (coupling * pair.weights[k] / slide * way.direction + of_tilt * way.turn[k] / tilt * pair.normal);
     return result;
   };
   return {row(own + root, own + root), row(own - root, own - root)};

@@ -8,10 +8,10 @@
 // -b' d sum_ij G^-1_ij (w_,i n)(w_,j n)^T are never negative: surfaces that press on each other and tilt. What couples
 // tilting with sliding is indefinite,
 //   -b' sum_ij G^-1_ij ((w e_i)(w_,j n)^T + (w_,j n)(w e_i)^T).
-// The definite tangent has the positive eigenvalues of both together, the exact one the negative ones too, and the pairs
-// that count negatively (contact_pairs.h). Without the coupling the tangent of a flap that slides along a bent wall is
-// half of what it should be, and Newton's method steps to and fro about the equilibrium. Sliding around an edge or a
-// corner, which is never positive, is left out of both.
+// The definite tangent has the positive eigenvalues of both together, the exact one the negative ones too, and the
+// pairs that count negatively (contact_pairs.h). Without the coupling the tangent of a flap that slides along a bent
+// wall is half of what it should be, and Newton's method steps to and fro about the equilibrium. Sliding around an edge
+// or a corner, which is never positive, is left out of both.
 #pragma once
 #include <array>
 #include <vector>

@@ -10,8 +10,8 @@ namespace lappet {
 namespace {
 
 // From how many spacings on surfaces keep apart, up to a spacing of 1 mm. Beyond, this share grows with the spacing:
-// what two lattices make of walls that fit each other differs by the square of it, and where the reach is less than that
-// a few points bear all of the pressure.
+// what two lattices make of walls that fit each other differs by the square of it, and where the reach is less than
+// that a few points bear all of the pressure.
 constexpr double kReach = 0.05, kFullSpacing = 1.0;  // mm
 // By how many spacings the surface may move before pairs are looked for again.
 constexpr double kSlack = 0.1;

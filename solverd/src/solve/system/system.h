@@ -107,8 +107,8 @@ class System {
 
   // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
   // over the face in a cell), and what is deeper in bone than a penalty may leave. at: the evaluation at u.
-  // kOpen: of what is to be closed further; kButWalls: leaves out sutures whose walls are no farther from each other than
-  // walls that touch keep.
+  // kOpen: of what is to be closed further; kButWalls: leaves out sutures whose walls are no farther from each other
+  // than walls that touch keep.
   enum class Gaps : std::uint8_t { kAll, kOpen, kButWalls };
   double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at,
                      Gaps which = Gaps::kAll) const;
