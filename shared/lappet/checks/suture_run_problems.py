@@ -13,7 +13,7 @@ from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.surface_check import place as text_of
 from lappet.procedure import SutureMode, SutureOrder, SuturePattern, SutureRun
-from lappet.suturing.run_stitches import run_stitches
+from lappet.suturing.stitches_of_run import run_stitches
 from lappet.tissue.rest_space import RestSpace
 from lappet.tissue.skin_sheet import SkinSheet
 

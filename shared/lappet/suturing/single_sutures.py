@@ -6,7 +6,7 @@ from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 from lappet.procedure import Event, Procedure, SutureRun, Tissue
-from lappet.suturing.run_stitches import run_stitches
+from lappet.suturing.stitches_of_run import run_stitches
 from lappet.tissue.skin_sheet import SkinSheet
 
 _known: WeakKeyDictionary[Tissue, SkinSheet] = WeakKeyDictionary()
