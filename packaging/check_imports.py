@@ -55,6 +55,7 @@ FOLDERS = (
     "solve",
     "background",
     "output",
+    "drawing",
     "bench",
     "demo",
     "reports",

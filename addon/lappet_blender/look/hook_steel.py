@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .hook_path import hook_directions, hook_path
-from .skin_fields import SKIN, WOUND_WALL, SkinNormals
-from .skin_source import SkinEpoch, SkinSource
+from lappet.drawing.hook_path import hook_directions, hook_path
+from lappet.drawing.skin_fields import SKIN, WOUND_WALL, SkinNormals
+from lappet.drawing.skin_source import SkinEpoch, SkinSource
 
 
 class HookSteel:

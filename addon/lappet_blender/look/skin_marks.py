@@ -8,10 +8,11 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.skin_fields import SKIN
+from lappet.drawing.skin_source import SkinEpoch, SkinSource
+from lappet.drawing.suture_bites import Bite, BitesInto, carried
+
 from .dashed_line import dashes
-from .skin_fields import SKIN
-from .skin_source import SkinEpoch, SkinSource
-from .suture_bites import Bite, BitesInto, carried
 
 INCISION_RADIUS = 0.24
 UNDERMINE_RADIUS = 0.16

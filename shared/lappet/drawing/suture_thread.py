@@ -12,9 +12,9 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from .skin_fields import SKIN, SkinNormals
-from .skin_source import SkinEpoch, SkinSource
-from .suture_bites import (
+from lappet.drawing.skin_fields import SKIN, SkinNormals
+from lappet.drawing.skin_source import SkinEpoch, SkinSource
+from lappet.drawing.suture_bites import (
     BITE,
     CLOSED_GAP,
     Bite,
@@ -24,8 +24,8 @@ from .suture_bites import (
     find_bites,
     find_lip,
 )
-from .suture_path import THREAD_RADIUS, stitch_path
-from .thread_on_skin import laid_on_skin
+from lappet.drawing.suture_path import THREAD_RADIUS, stitch_path
+from lappet.drawing.thread_on_skin import laid_on_skin
 
 # Stitches stand no closer: two sutures that hold one corner are its one corner stitch, and a dense row is thinned.
 NEAREST = 1.7 * BITE
@@ -33,9 +33,16 @@ NEAREST = 1.7 * BITE
 
 @dataclass(frozen=True, eq=False)
 class Stitch:
-    """A suture as it is drawn in one epoch: its bites and where it crosses the closed wound (3,), mm.
+    """A suture as it is drawn in one epoch.
 
-    turned: whether the first bite belongs to the suture's second end.
+    Parameters
+    ----------
+    bites
+        Where it enters the skin.
+    crossing
+        Where it crosses the closed wound in mm, shape (3,).
+    turned
+        Whether the first bite belongs to the suture's second end.
     """
 
     bites: tuple[Bite, Bite]
@@ -44,7 +51,18 @@ class Stitch:
 
 
 def buried_sutures(source: SkinSource) -> frozenset[int]:
-    """The indices of the sutures that lie in the depth, judged where each is first active."""
+    """Find the sutures that lie in the depth, judged where each is first active.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+
+    Returns
+    -------
+    frozenset[int]
+        Their indices.
+    """
     found: set[int] = set()
     seen: set[int] = set()
     for time in source.frames:
@@ -56,7 +74,24 @@ def buried_sutures(source: SkinSource) -> frozenset[int]:
 
 
 def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int, near: TrianglesNear | None = None) -> bool:
-    """Whether a suture lies in the depth, judged in one epoch. near: of `source.suture_apart` there."""
+    """Tell whether a suture lies in the depth, judged in one epoch.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    epoch
+        The epoch.
+    index
+        The suture's index.
+    near
+        The triangles of the epoch at the positions of `source.suture_apart`, if they are sorted already.
+
+    Returns
+    -------
+    bool
+        Whether it does.
+    """
     points, anchors = source.suture_apart(epoch, index)
     near = near or TrianglesNear(points, epoch.triangles)
     around = np.unique(np.concatenate([near.around(end, 2.0 * near.longest) for end in anchors]))
@@ -66,7 +101,21 @@ def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int, near: Triang
 class SutureThread:
     """The stitches of a procedure.
 
-    until: the monotonic second after which `tubes` finds no new ones, None: it finds all; the rest are `unfinished`.
+    `until` is the monotonic second after which `tubes` finds no new ones, None: it finds all; then `unfinished` says
+    whether some are left.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    facing
+        The side on which knots are tied, shape (3,).
+    scale
+        Of bites and thread.
+    hidden
+        The sutures that are not drawn; None for those that turn out to be buried.
+    before
+        The stitches of the same epochs seen from another side; what was found of the epochs is kept.
     """
 
     def __init__(
@@ -77,11 +126,6 @@ class SutureThread:
         hidden: frozenset[int] | None = None,
         before: SutureThread | None = None,
     ) -> None:
-        """Draw threads seen from one side.
-
-        facing: (3,), the side on which knots are tied. scale: of bites and thread. hidden: sutures not to draw; None:
-        those that turn out to be buried. before: of the same epochs; what was found of them is kept.
-        """
         self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
         self._stitches: dict[tuple[str, int], Stitch | None] = {}
         self._normals: dict[str, SkinNormals] = {}
@@ -92,7 +136,18 @@ class SutureThread:
         self.unfinished = self._fresh = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
-        """The thread and knots (k, 3) of a frame and their radii, mm."""
+        """Draw the thread and knots of a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        tuple[list[NDArray[np.float64]], list[float]]
+            Lines, shape (k, 3) each, and their radii, in mm.
+        """
         self.unfinished = False
         sutures, sliding = self._source.sutures(time), self._source.threads(time)
         over = self._over_skin(time, sliding)  # the skin hides what runs in the tissue

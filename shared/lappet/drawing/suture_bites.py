@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.skin_fields import SKIN, WOUND_WALL
 from lappet.geometry.closest_point import ClosestPoint
-
-from .skin_fields import SKIN, WOUND_WALL
 
 BITE = 1.3
 BURIED_DEPTH = 0.4
@@ -27,18 +26,50 @@ CORNER = 0.06
 
 @dataclass(frozen=True, eq=False)
 class Bite:
-    """A point that rides on the skin: a triangle's three vertices and their weights."""
+    """A point that rides on the skin.
+
+    Parameters
+    ----------
+    vertices
+        A triangle's vertices, shape (3,), int32.
+    weights
+        Their weights, shape (3,), which sum to 1.
+    """
 
     vertices: NDArray[np.int32]
     weights: NDArray[np.float64]
 
     def carried(self, values: NDArray[np.float32]) -> NDArray[np.float64]:
-        """The value (3,) at the bite of a per-vertex array (n, 3)."""
+        """Carry the bite along with the skin.
+
+        Parameters
+        ----------
+        values
+            A vector for each vertex, shape (n, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            The value at the bite, shape (3,).
+        """
         return self.weights @ values[self.vertices].astype(np.float64)
 
 
 def carried(bites: Sequence[Bite], values: NDArray[np.float32]) -> NDArray[np.float64]:
-    """The values (k, 3) at some bites of a per-vertex array (n, 3)."""
+    """Carry some bites along with the skin.
+
+    Parameters
+    ----------
+    bites
+        The bites, k of them.
+    values
+        A vector for each vertex, shape (n, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The values at the bites, shape (k, 3).
+    """
     vertices = np.array([b.vertices for b in bites], np.int64).reshape(-1, 3)
     weights = np.array([b.weights for b in bites], np.float64).reshape(-1, 3)
     placed: NDArray[np.float64] = np.einsum("kc,kci->ki", weights, values[vertices].astype(np.float64))
@@ -49,7 +80,12 @@ def carried(bites: Sequence[Bite], values: NDArray[np.float32]) -> NDArray[np.fl
 class Lip:
     """The skin around one end of a suture, joined to it without crossing the wound, and its stretch of wound edge.
 
-    disk: (k, 3) int32, triangles. edges: (e, 2) int32, edges between skin and wound wall that belong to the disk.
+    Parameters
+    ----------
+    disk
+        Triangles of that skin, shape (k, 3), int32.
+    edges
+        Edges between skin and wound wall that belong to the disk, shape (e, 2), int32.
     """
 
     disk: NDArray[np.int32]
@@ -62,10 +98,25 @@ def buried(
     depth: NDArray[np.float32],
     ends: NDArray[np.float32],
 ) -> bool:
-    """Whether a suture with ends (2, 3) mm lies in the depth: an end more than `BURIED_DEPTH` mm below the skin.
+    """Tell whether a suture lies in the depth: an end is more than `BURIED_DEPTH` mm below the skin.
 
-    The ends lie on the surface; depth: (n,) mm of its vertices below the edge of the skin, 0 on the skin. That the lips
-    overlap at this frame does not matter.
+    That the lips overlap at this frame does not matter.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    depth
+        How deep each vertex lies below the edge of the skin in mm, shape (n,); 0 on the skin.
+    ends
+        The suture's ends on the surface in mm, shape (2, 3).
+
+    Returns
+    -------
+    bool
+        Whether it does.
     """
     return any(
         float(bite.weights @ depth[bite.vertices]) > BURIED_DEPTH for bite in bites_at(positions, triangles, ends)
@@ -73,7 +124,15 @@ def buried(
 
 
 class TrianglesNear:
-    """A search for the triangles about a point; made once for many points of one surface."""
+    """A search for the triangles about a point; made once for many points of one surface.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    """
 
     def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
         first = positions[triangles[:, 0]]
@@ -82,10 +141,19 @@ class TrianglesNear:
         self.longest = longest_edge(positions, triangles)
 
     def around(self, point: NDArray[np.floating[Any]], reach: float) -> NDArray[np.int64]:
-        """Indices (k,), ascending, of the triangles around a point (3,).
+        """Find the triangles around a point.
 
-        Those whose first vertex is at most `reach` mm farther from it than the nearest; the point lies on the surface,
-        or as near to it as its longest edge, if it can be.
+        Parameters
+        ----------
+        point
+            A point in mm, shape (3,), on the surface, or as near to it as its longest edge, if it can be.
+        reach
+            How much farther than the nearest a triangle's first vertex may lie from it, mm.
+
+        Returns
+        -------
+        NDArray[np.int64]
+            Indices of the triangles, ascending, shape (k,).
         """
         span = reach + self.longest
         while True:
@@ -99,7 +167,20 @@ class TrianglesNear:
 
 
 def longest_edge(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> float:
-    """The longest edge of some triangles (m, 3), mm."""
+    """Measure the longest edge of some triangles.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    float
+        Its length in mm; 0 where there are no triangles.
+    """
     corners = positions[triangles]
     return float(np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(-1).max(initial=0.0)))
 
@@ -107,12 +188,35 @@ def longest_edge(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -
 def bites_at(
     positions: NDArray[np.float32], triangles: NDArray[np.int32], points: NDArray[np.floating[Any]]
 ) -> list[Bite]:
-    """The points of some triangles (m, 3) nearest to points (k, 3), mm."""
+    """Find the points of some triangles nearest to others.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    points
+        The other points in mm, shape (k, 3).
+
+    Returns
+    -------
+    list[Bite]
+        The nearest point for each.
+    """
     return BitesInto(positions, triangles).at(points)
 
 
 class BitesInto:
-    """A search for the points of some triangles nearest to others; made once for many calls."""
+    """A search for the points of some triangles nearest to others; made once for many calls.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    """
 
     def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
         self._positions, self._triangles = positions, triangles
@@ -120,7 +224,18 @@ class BitesInto:
         self._closest = ClosestPoint(corners, np.arange(len(corners)).reshape(-1, 3))
 
     def at(self, points: NDArray[np.floating[Any]]) -> list[Bite]:
-        """Those nearest to points (k, 3), mm."""
+        """Find the points nearest to others.
+
+        Parameters
+        ----------
+        points
+            The other points in mm, shape (k, 3).
+
+        Returns
+        -------
+        list[Bite]
+            The nearest point for each.
+        """
         index, closest, _ = self._closest.query(points)
         bites = []
         for triangle, point in zip(self._triangles[index], closest, strict=True):
@@ -155,7 +270,26 @@ def find_lip(
     end: NDArray[np.float32],
     radius: float = 2.0 * BITE,
 ) -> Lip:
-    """The lip of the wound that an end (3,) of a suture holds, while the wound is open. radius: mm, of the disk."""
+    """Find the lip of the wound that an end of a suture holds, while the wound is open.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    origin
+        An index into `ORIGINS` for each triangle, shape (m,).
+    end
+        The suture's end in mm, shape (3,).
+    radius
+        Of the lip's disk in mm.
+
+    Returns
+    -------
+    Lip
+        The lip.
+    """
     skin = triangles[origin == SKIN]
     seed = bites_at(positions, skin, end[None].astype(np.float64))[0].vertices
     disk = skin[_reachable(positions, skin, seed, radius)]
@@ -170,10 +304,25 @@ def find_lip(
 
 
 def inward(positions: NDArray[np.float32], lip: Lip, at: NDArray[np.float64], reach: float) -> NDArray[np.float64]:
-    """Unit direction (3,) from a place (3,) on a lip's edge into its skin: across the edge, or halving its corner.
+    """Find the direction from a place on a lip's edge into its skin: across the edge, or halving its corner.
 
-    reach: mm, how far along the edge the direction looks. Where the lip has no wound edge it leads to the middle of
-    the disk.
+    Where the lip has no wound edge it leads to the middle of the disk.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    lip
+        The lip.
+    at
+        The place in mm, shape (3,).
+    reach
+        How far along the edge the direction looks, mm.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        A unit vector, shape (3,).
     """
     p = positions.astype(np.float64)
     a, b, c = (p[lip.disk[:, k]] for k in range(3))
@@ -201,10 +350,26 @@ def inward(positions: NDArray[np.float32], lip: Lip, at: NDArray[np.float64], re
 def find_bites(
     positions: NDArray[np.float32], lips: tuple[Lip, Lip], ends: NDArray[np.float32], bite: float = BITE
 ) -> tuple[Bite, Bite]:
-    """The two bites of a stitch, `bite` mm on either side of the wound's edge.
+    """Place the two bites of a stitch on either side of the wound's edge.
 
-    positions, ends (2, 3): of the frame in which the suture is closed, or nearest to closed. Where the ends have met,
-    both bites lie on one line across the wound; where they have not, each lies across its own lip.
+    Where the ends have met, both bites lie on one line across the wound; where they have not, each lies across its own
+    lip.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm of the frame in which the suture is closed, or nearest to closed, shape (n, 3).
+    lips
+        The lips that the ends hold.
+    ends
+        The suture's ends in that frame in mm, shape (2, 3).
+    bite
+        Distance of a bite from the edge in mm.
+
+    Returns
+    -------
+    tuple[Bite, Bite]
+        The bites, in the order of the ends.
     """
     p = ends.astype(np.float64)
     ways = [inward(positions, lip, at, bite) for lip, at in zip(lips, p, strict=True)]

@@ -5,25 +5,55 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .skin_fields import border_chains
-from .skin_source import SkinEpoch, SkinSource
+from lappet.drawing.skin_fields import border_chains
+from lappet.drawing.skin_source import SkinEpoch, SkinSource
 
 EDGE_RADIUS = 0.1
 
 
 class WoundEdge:
-    """The lines along the lips of the wound; they follow the skin. `source` may be changed for one of equal epochs."""
+    """The lines along the lips of the wound; they follow the skin.
+
+    `source` may be changed for one of equal epochs.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    """
 
     def __init__(self, source: SkinSource) -> None:
         self.source = source
         self._chains: dict[str, list[NDArray[np.int32]]] = {}
 
     def knows(self, epoch: SkinEpoch) -> bool:
-        """Whether the lips of an epoch were found before."""
+        """Tell whether the lips of an epoch were found before.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+
+        Returns
+        -------
+        bool
+            Whether they were.
+        """
         return epoch.name in self._chains
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
-        """The lines (k, 3) of a frame and their radii, mm."""
+        """Draw the lips of a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        tuple[list[NDArray[np.float64]], list[float]]
+            Lines, shape (k, 3) each, and their radii, in mm.
+        """
         epoch = self.source.epoch_at(time)
         if epoch.name not in self._chains:
             self._chains[epoch.name] = border_chains(epoch.triangles, epoch.origin)

@@ -1,4 +1,4 @@
-"""Read a skin cache (docs/skin_cache.md) into arrays, through whatever pxr this Python has."""
+"""Read a skin cache (docs/skin_cache.md) into arrays."""
 
 from __future__ import annotations
 
@@ -11,50 +11,74 @@ from numpy.typing import NDArray
 
 from lappet.anatomy.tissue_kind import KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
+from lappet.background.skin_shape import depth_below_skin
+from lappet.core.problem import RefusedError
+from lappet.drawing.scenery_read import SceneryMesh, read_scenery
+from lappet.drawing.skin_source import ORIGINS, FigureError, SkinEpoch, SkinSource, StepEvent, Strands, VesselLine
+from lappet.drawing.suture_bites import bites_at, carried
+from lappet.geometry.curve import sample_curve
+from lappet.usd.stage import pxr
 
-from .scenery_read import SceneryMesh, read_scenery
-from .skin_fields import depth_below_skin
-from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands, VesselLine
-from .suture_bites import bites_at, carried
 
+class SkinCache(SkinSource):
+    """An open skin cache; positions are in mm whatever the stage's unit.
 
-class SkinCache:
-    """An open skin cache. Positions are in mm whatever the stage's unit.
+    `fps` is the number of time codes in a second; `scenery` is what is shown around the tissue.
 
-    Raises FigureError when the file is missing, is not USD or holds no skin.
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    FigureError
+        If the file is missing, is not USD or holds no skin.
+    UsdMissingError
+        If this Python has no USD.
     """
 
     def __init__(self, path: Path) -> None:
-        from pxr import Tf, Usd, UsdGeom
-
+        usd = pxr()
         if not path.is_file():
             raise FigureError(f"There is no skin cache at {path}; solve the procedure first (lappet solve).")
         try:
-            self._stage = Usd.Stage.Open(str(path))
-        except Tf.ErrorException as error:
+            self._stage = usd.Usd.Stage.Open(str(path))
+        except usd.Tf.ErrorException as error:
             raise FigureError(
                 f"{path} is not a USD file that can be read; write it again with lappet solve."
             ) from error
         self.path = path
-        self._mm = UsdGeom.GetStageMetersPerUnit(self._stage) / 0.001
+        self._mm = usd.UsdGeom.GetStageMetersPerUnit(self._stage) / 0.001
         self.fps = float(self._stage.GetTimeCodesPerSecond())
         skin = self._stage.GetPrimAtPath("/Procedure/Skin")
-        meshes = [p for p in skin.GetChildren() if p.IsA(UsdGeom.Mesh)] if skin else []
+        meshes = [p for p in skin.GetChildren() if p.IsA(usd.UsdGeom.Mesh)] if skin else []
         if not meshes:
             raise FigureError(
                 f"{path} holds no skin (/Procedure/Skin/epoch_00); it is not a cache made by lappet solve."
             )
-        self.epochs = tuple(e for e in (self._epoch(prim) for prim in meshes) if e.frames)
+        self._epochs = tuple(e for e in (self._read_epoch(prim) for prim in meshes) if e.frames)
         self._rest: dict[str, NDArray[np.float32]] = {}
         self._at_rest: set[str] = set()  # epochs whose rest the cache holds
-        self.frames = tuple(sorted({t for epoch in self.epochs for t in epoch.frames}))
+        self._frames = tuple(sorted({t for epoch in self.epochs for t in epoch.frames}))
         if not self.frames:
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
-        self.events = self._events()
+        self._events = self._read_events()
         self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
 
+    @property
+    def epochs(self) -> tuple[SkinEpoch, ...]:
+        return self._epochs
+
+    @property
+    def frames(self) -> tuple[float, ...]:
+        return self._frames
+
+    @property
+    def events(self) -> tuple[StepEvent, ...]:
+        return self._events
+
     def epoch_at(self, time: float) -> SkinEpoch:
-        """The epoch that is shown at a frame; raises FigureError where the cache has no such frame."""
         for epoch in self.epochs:
             if time in epoch.frames:
                 return epoch
@@ -64,7 +88,6 @@ class SkinCache:
         )
 
     def positions(self, epoch: SkinEpoch, time: float) -> NDArray[np.float32]:
-        """Vertex positions (n, 3) of an epoch at one of its frames, mm."""
         points = np.asarray(epoch.prim.GetAttribute("points").Get(time), np.float32).reshape(-1, 3) * self._mm
         if len(points) <= int(epoch.triangles.max(initial=-1)) or not np.isfinite(points).all():
             raise FigureError(
@@ -73,16 +96,13 @@ class SkinCache:
         return points
 
     def scalar(self, epoch: SkinEpoch, name: str, time: float) -> NDArray[np.float32] | None:
-        """A vertex quantity (n,), one of `SCALARS`, or None where the cache lacks it."""
         value = epoch.prim.GetAttribute(f"primvars:{name}").Get(time)
         return None if value is None else np.asarray(value, np.float32)
 
     def sutures(self, time: float) -> Strands:
-        """The sutures of the procedure at a frame."""
         return self._strands("Sutures", time)
 
     def threads(self, time: float) -> dict[int, NDArray[np.float64]]:
-        """The bites (k, 3), mm, of the sutures that have more than two and are active at a frame, by their index."""
         prims = [self._stage.GetPrimAtPath(f"/Procedure/Skin/{name}") for name in ("Sutures", "Threads")]
         if not all(prims):
             return {}
@@ -94,7 +114,6 @@ class SkinCache:
         return {sutures.index(name): each for name, each, acts in bites if acts}
 
     def rest(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """Vertex positions (n, 3) of an epoch at rest, mm; at its first frame where the cache does not hold them."""
         if epoch.name not in self._rest:
             points = np.asarray(epoch.prim.GetAttribute("points").Get() or (), np.float32).reshape(-1, 3) * self._mm
             whole = len(points) > int(epoch.triangles.max(initial=-1)) and bool(np.isfinite(points).all())
@@ -104,7 +123,6 @@ class SkinCache:
         return self._rest[epoch.name]
 
     def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """How deep below the skin before any cut the vertices (n,) lie, mm; below its edge in caches that lack this."""
         primvar = epoch.prim.GetAttribute("primvars:depth").Get()
         if primvar is not None and len(primvar) == len(self.rest(epoch)):
             return np.asarray(primvar, np.float32) * np.float32(self._mm)
@@ -112,7 +130,6 @@ class SkinCache:
 
     @property
     def layers(self) -> TissueLayers:
-        """The layers of the tissue; one of skin in caches that lack them."""
         prim = self._stage.GetPrimAtPath("/Procedure/Skin/Layers")
         names = ("column", "depthFrom", "kind", "material")
         found = [prim.GetAttribute(f"lappet:{name}").Get() or () if prim else () for name in names]
@@ -124,13 +141,11 @@ class SkinCache:
         return TissueLayers(np.asarray(column, np.int32), depths, np.array(known, np.int32), tuple(materials))
 
     def column(self, epoch: SkinEpoch) -> NDArray[np.int32]:
-        """The column of layers that the triangles (m,) of an epoch lie in; the first in caches that lack them."""
         found = epoch.prim.GetAttribute("primvars:layerColumn").Get()
         fits = found is not None and len(found) == len(epoch.triangles)
         return np.asarray(found, np.int32) if fits else np.zeros(len(epoch.triangles), np.int32)
 
     def vessels(self, time: float) -> list[VesselLine]:
-        """The pieces of vessels at a frame."""
         prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/Vessels/{self.epoch_at(time).name}")
         if not prim:
             return []
@@ -146,17 +161,40 @@ class SkinCache:
         ]
 
     def vessel_points(self, time: float) -> NDArray[np.float64]:
-        """The points (v, 3) of all pieces of vessels at a frame, mm."""
+        """Return the points of all pieces of vessels at a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Positions in mm, shape (v, 3).
+        """
         prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/Vessels/{self.epoch_at(time).name}")
         points = prim.GetAttribute("points").Get(time) if prim else None
         return np.asarray(points if points is not None else [], np.float64).reshape(-1, 3) * self._mm
 
     def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm.
+        """Find where a suture's lips are easy to tell apart.
 
         This is at rest, where the cache holds that or the epoch begins before anything is held: later, flaps that
         overlap come between. Otherwise it is the first frame at which the suture is active. Where that is in an earlier
         epoch, and this one has its skin at rest, the ends are carried to there: skin at rest is the same in all.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        index
+            The suture's index.
+
+        Returns
+        -------
+        tuple[NDArray[np.float32], NDArray[np.float32]]
+            The skin's vertices there in mm, shape (n, 3), and the suture's ends, shape (2, 3).
         """
         first = epoch.frames[0]
         skin = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")
@@ -177,11 +215,9 @@ class SkinCache:
         return self.positions(epoch, active), self.sutures(active).ends[index]
 
     def hooks(self, time: float) -> Strands:
-        """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
         return self._strands("Hooks", time)
 
     def hook_courses(self) -> dict[int, NDArray[np.float64]]:
-        """Where the hooks' ends on the tissue go, (k, 3) mm by the hook's index, for those that are ever active."""
         courses: dict[int, list[NDArray[np.float64]]] = {}
         for time in self.frames:
             hooks = self.hooks(time)
@@ -190,27 +226,32 @@ class SkinCache:
         return {index: np.array(course) for index, course in courses.items()}
 
     def suture_closed(self, epoch: SkinEpoch, index: int) -> float:
-        """The last frame of an epoch at which a suture is active."""
         return next(t for t in reversed(epoch.frames) if self.sutures(t).active[index])
 
     def landmarks(self, time: float) -> NDArray[np.float32]:
-        """The landmarks (k, 3) at a frame, mm; those whose tissue is gone lie where they were last."""
+        """Return the landmarks at a frame; those whose tissue is gone lie where they were last.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        NDArray[np.float32]
+            Positions in mm, shape (k, 3).
+        """
         prim = self._stage.GetPrimAtPath("/Procedure/Skin/Landmarks")
         points = prim.GetAttribute("points").Get(time) if prim else None
         return np.asarray(points if points is not None else [], np.float32).reshape(-1, 3) * np.float32(self._mm)
 
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
-        """The incisions at rest, sampled every `step` mm: polylines (k, 3) in mm; closed ones repeat their first."""
         return self._curves("Incision", step)
 
     def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:
-        """The outlines of the undermined areas at rest, sampled and closed in the same way."""
         return self._curves("Undermine", step)
 
     def _curves(self, kind: str, step: float) -> list[NDArray[np.float64]]:
-        from lappet.core.problem import RefusedError
-        from lappet.geometry.curve import sample_curve
-
         lines = []
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
         for event in self.events:
@@ -241,30 +282,29 @@ class SkinCache:
             )
         return Strands(ends, flags & np.isfinite(ends).all(axis=(1, 2)))
 
-    def _epoch(self, prim: Any) -> SkinEpoch:
-        from pxr import UsdGeom
-
-        mesh = UsdGeom.Mesh(prim)
+    def _read_epoch(self, prim: Any) -> SkinEpoch:
+        usd_geom = pxr().UsdGeom
+        mesh = usd_geom.Mesh(prim)
         counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(), np.int64)
         corners = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(), np.int32)
         if not len(counts) or (counts != 3).any() or len(corners) != 3 * len(counts):
             raise FigureError(f"{prim.GetPath()} is not a mesh of triangles; write the cache again with lappet solve.")
         origin = np.zeros(len(counts), np.uint8)
-        for subset in UsdGeom.Subset.GetAllGeomSubsets(mesh):
+        for subset in usd_geom.Subset.GetAllGeomSubsets(mesh):
             if (label := subset.GetPrim().GetName()) in ORIGINS:
                 faces = np.asarray(subset.GetIndicesAttr().Get() or [], np.int64)
                 origin[faces[faces < len(origin)]] = ORIGINS.index(label)
-        primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+        primvar = usd_geom.PrimvarsAPI(mesh).GetPrimvar("st")
         times = mesh.GetPointsAttr().GetTimeSamples()
         st = primvar.ComputeFlattened(times[0] if times else 0.0) if primvar else None
         uv = None
         if st is not None and len(st) == len(corners):
             uv = np.asarray(st, np.float32).reshape(-1, 3, 2)
         visibility = mesh.GetVisibilityAttr()
-        frames = tuple(float(t) for t in times if visibility.Get(t) != UsdGeom.Tokens.invisible)
+        frames = tuple(float(t) for t in times if visibility.Get(t) != usd_geom.Tokens.invisible)
         return SkinEpoch(prim.GetName(), corners.reshape(-1, 3), origin, uv, frames, prim)
 
-    def _events(self) -> tuple[StepEvent, ...]:
+    def _read_events(self) -> tuple[StepEvent, ...]:
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
         events = []
         sutures = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")

@@ -1,11 +1,11 @@
-"""What tests of the add-on without Blender share."""
+"""What tests of the drawing share."""
 
 from __future__ import annotations
 
 import pytest
 
 import synthetic_skin_cache as synthetic
-from lappet_blender.look.skin_read import SkinCache
+from lappet.drawing.skin_read import SkinCache
 
 
 @pytest.fixture(scope="session")

@@ -17,11 +17,24 @@ HANDLE_RADIUS = 0.6
 def hook_directions(
     courses: list[NDArray[np.float64]], center: NDArray[np.float64], axes: NDArray[np.float64]
 ) -> list[NDArray[np.float64]]:
-    """Unit directions (3,) of the handles of hooks, fixed for their whole life so that they do not swing.
+    """Choose the directions of the handles of hooks, fixed for their whole life so that they do not swing.
 
-    courses: (k, 3) mm each, where a hook's end on the tissue goes. center: (3,) mm, the middle of the field. axes:
-    (3, 3), rows right, up along the skin and normal, as the picture is seen. Handles rise by `ELEVATION`, half of them
-    to the left and half to the right of the picture in the order of the hooks' places, so that none crosses the field.
+    Handles rise by `ELEVATION`, half of them to the left and half to the right of the picture in the order of the
+    hooks' places, so that none crosses the field.
+
+    Parameters
+    ----------
+    courses
+        Where each hook's end on the tissue goes in mm, shape (k, 3).
+    center
+        The middle of the field in mm, shape (3,).
+    axes
+        Unit vectors to the right, up along the skin and along its normal, as the picture is seen, shape (3, 3).
+
+    Returns
+    -------
+    list[NDArray[np.float64]]
+        A unit vector for each hook, shape (3,).
     """
     places = np.array([(course.mean(axis=0) - center) @ axes.T for course in courses]).reshape(-1, 3)
     starts = np.array([(course[0] - center) @ axes.T for course in courses]).reshape(-1, 3)
@@ -46,11 +59,28 @@ def hook_path(
     edge: NDArray[np.float64],
     scale: float = 1.0,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Center line (k, 3) in mm and radii (k,) in mm of a hook that holds an edge of skin by a point beside it.
+    """Lay the line of a hook that holds an edge of skin by a point beside it.
 
     The point comes up through the skin at the anchor and shows a little above it; from there the crook runs under the
-    skin, around its edge and up into the shank. direction, normal, edge: (3,) unit: of the handle, out of the skin at
-    the anchor, and from the anchor towards the edge. scale: of all thicknesses and of the crook.
+    skin, around its edge and up into the shank.
+
+    Parameters
+    ----------
+    anchor
+        Where the hook holds the skin in mm, shape (3,).
+    direction
+        Unit vector along the handle, shape (3,).
+    normal
+        Unit vector out of the skin at the anchor, shape (3,).
+    edge
+        Unit vector from the anchor towards the edge, shape (3,).
+    scale
+        Of all thicknesses and of the crook.
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.float64]]
+        The center line, shape (k, 3), and its radii, shape (k,), in mm.
     """
     out = edge - (edge @ normal) * normal
     if np.linalg.norm(out) < 1e-6:

@@ -23,7 +23,15 @@ _TAIL = np.linspace(0.0, 1.0, 5)[:, None]
 
 @dataclass(frozen=True, eq=False)
 class StitchPath:
-    """Polylines of a stitch, each (k, 3) in mm: the thread from bite to bite; the knot's coil and tails once tied."""
+    """The lines of a stitch.
+
+    Parameters
+    ----------
+    thread
+        The thread from bite to bite in mm, shape (k, 3).
+    knot
+        Once it is tied, the knot's coil and tails in mm, shape (k, 3) each.
+    """
 
     thread: NDArray[np.float64]
     knot: tuple[NDArray[np.float64], ...]
@@ -32,11 +40,25 @@ class StitchPath:
 def stitch_path(
     bites: NDArray[np.float64], lips: NDArray[np.float64], normals: NDArray[np.float64], tied: bool, scale: float = 1.0
 ) -> StitchPath:
-    """The polylines of a stitch.
+    """Lay the lines of a stitch.
 
-    bites: (2, 3) mm, where the thread enters the skin; the knot lies beside the first. lips: (2, 3) mm, the ends of the
-    suture on the wound's edges, over which the thread lies. normals: (2, 3), unit normals of the skin at the bites.
-    tied: whether the wound is closed there, so that the knot is tied. scale: of all thicknesses and of the knot.
+    Parameters
+    ----------
+    bites
+        Where the thread enters the skin in mm, shape (2, 3); the knot lies beside the first.
+    lips
+        The suture's ends on the wound's edges in mm, shape (2, 3); the thread lies over them.
+    normals
+        Unit normals of the skin at the bites, shape (2, 3).
+    tied
+        Whether the wound is closed there, so that the knot is tied.
+    scale
+        Of all thicknesses and of the knot.
+
+    Returns
+    -------
+    StitchPath
+        The lines.
     """
     radius = THREAD_RADIUS * scale
     up = _unit(normals.sum(axis=0))

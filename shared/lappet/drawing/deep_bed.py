@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.skin_fields import RIM, UNDERSIDE, WOUND_WALL, vertex_normals
+from lappet.drawing.skin_source import SkinSource
 from lappet.geometry.closest_point import ClosestPoint
-
-from .skin_fields import RIM, UNDERSIDE, WOUND_WALL, vertex_normals
-from .skin_source import SkinSource
 
 BED_GAP = 0.35
 REACH = 18.0  # mm around the wound; farther away nothing can be seen of it
@@ -18,10 +17,15 @@ _SPREAD = 3  # rings of neighbors that give way together
 
 
 class DeepBed:
-    """The bed of a procedure. It gives way where the skin sinks, so that it never shows through closed skin.
+    """The bed of a procedure; it gives way where the skin sinks, so that it never shows through closed skin.
 
-    rest: (b, 3) mm. triangles: (t, 3) int32, outward. Both are empty where there is no underside. `source` may be
-    changed for one of equal epochs.
+    `rest` are its vertices in mm, shape (b, 3), `triangles` their indices, shape (t, 3), int32, outward; both are empty
+    where there is no underside. `source` may be changed for one of equal epochs.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
     """
 
     def __init__(self, source: SkinSource) -> None:
@@ -55,7 +59,18 @@ class DeepBed:
         return len(self.rest)
 
     def positions(self, time: float) -> NDArray[np.float32]:
-        """The bed (b, 3) under the skin of a frame, mm."""
+        """Find where the bed lies under the skin of a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        NDArray[np.float32]
+            Its vertices in mm, shape (b, 3).
+        """
         epoch = self.source.epoch_at(time)
         if epoch.name not in self._lower:
             lower = np.unique(epoch.triangles[epoch.origin == UNDERSIDE])

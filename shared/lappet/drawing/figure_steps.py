@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..look.skin_source import SkinSource, StepEvent
+from lappet.drawing.skin_source import SkinSource, StepEvent
 
 MOST_PANELS = 6
 CUTTING = ("Incision", "Excision", "Undermine")
@@ -18,7 +18,17 @@ HELD = ("Hook", "Retractor", "Suture")
 
 @dataclass(frozen=True)
 class Step:
-    """A panel of the filmstrip: the frame it shows, its caption and a smaller second line."""
+    """A panel of the filmstrip.
+
+    Parameters
+    ----------
+    frame
+        Time code of the frame that it shows.
+    caption
+        What it says.
+    detail
+        A smaller second line.
+    """
 
     frame: float
     caption: str
@@ -26,12 +36,36 @@ class Step:
 
 
 def spoken(name: str) -> str:
-    """A prim name as a reader sees it: `central_limb` becomes `central limb`."""
+    """Spell a prim's name as a reader sees it: `central_limb` becomes `central limb`.
+
+    Parameters
+    ----------
+    name
+        The name.
+
+    Returns
+    -------
+    str
+        The words.
+    """
     return name.replace("_", " ").strip()
 
 
 def hook_height(source: SkinSource, normal: NDArray[np.float64]) -> Callable[[float], float]:
-    """How far, in mm, the tissue that hooks hold stands out along a normal (3,) at a frame; -inf where none holds."""
+    """Make the measure of how far the tissue that hooks hold stands out at a frame.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    normal
+        Unit vector along which it is measured, shape (3,).
+
+    Returns
+    -------
+    Callable[[float], float]
+        The height in mm at a time code; minus infinity where no hook holds.
+    """
 
     def height(time: float) -> float:
         hooks = source.hooks(time)
@@ -51,10 +85,24 @@ def story_steps(
     height: Callable[[float], float] | None = None,
     buried: int = 0,
 ) -> list[Step]:
-    """At most `MOST_PANELS` steps of a procedure, each right after what its caption says, in order of time.
+    """Choose the steps of a procedure, each right after what its caption says, in order of time.
 
-    frames: the cache's frames, ascending, not empty. height: how far the hooked tissue stands above the skin at a frame
-    (any unit); decides which frame shows the flaps lifted. buried: how many of the sutures lie in the depth.
+    Parameters
+    ----------
+    events
+        The procedure's events.
+    frames
+        The time codes of the frames, ascending, at least one.
+    height
+        How far the hooked tissue stands above the skin at a time code, in any unit; decides which frame shows the flaps
+        lifted.
+    buried
+        How many of the sutures lie in the depth.
+
+    Returns
+    -------
+    list[Step]
+        At most `MOST_PANELS` steps.
     """
     steps = [Step(frames[0], "Before", "planned incision" if any(e.kind == "Incision" for e in events) else "")]
     begin_held = min((e.start for e in events if e.kind in HELD), default=float("inf"))
@@ -153,7 +201,20 @@ def _distinct(steps: list[Step]) -> list[Step]:
 
 
 def step_captions(events: Sequence[StepEvent], frames: Sequence[float]) -> list[Step]:
-    """Steps for frames that the user chose, captioned by the newest event at each."""
+    """Caption frames that the user chose, by the newest event at each.
+
+    Parameters
+    ----------
+    events
+        The procedure's events.
+    frames
+        Time codes.
+
+    Returns
+    -------
+    list[Step]
+        A step for each.
+    """
     steps = []
     for frame in frames:
         past = [e for e in events if e.start <= frame and e.kind != "Landmark"]

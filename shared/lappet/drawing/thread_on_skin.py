@@ -15,9 +15,23 @@ _ALONG = np.linspace(0.0, 1.0, 11)[1:-1, None]
 def laid_on_skin(
     bites: NDArray[np.float64], points: NDArray[np.floating], triangles: NDArray[np.integer], lift: float
 ) -> NDArray[np.float64]:
-    """Return the thread (k, 3) through bites (n, 3), mm: between two on the skin it lies `lift` above that.
+    """Lay a thread with many bites on the skin.
 
-    points: of the surface (v, 3), mm. triangles: of its skin (m, 3).
+    Parameters
+    ----------
+    bites
+        The bites in mm, shape (n, 3).
+    points
+        Vertices of the surface in mm, shape (v, 3).
+    triangles
+        Vertex indices of its skin, shape (m, 3).
+    lift
+        How high above the skin the thread lies between two bites on it, mm.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The thread through all bites in mm, shape (k, 3).
     """
     low, high = bites.min(axis=0), bites.max(axis=0)
     reach = float(np.linalg.norm(np.diff(bites, axis=0), axis=1).max(initial=0.0))

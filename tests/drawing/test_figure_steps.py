@@ -1,16 +1,16 @@
-"""Which frames a figure shows, what it says of them, and how its panels lie on the sheet."""
+"""Which frames a figure shows, and what it says of them."""
 
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import cast
 
-import pytest
+import numpy as np
 
 import synthetic_skin_cache as synthetic
-from lappet_blender.figure.figure_steps import MOST_PANELS, step_captions, story_steps
-from lappet_blender.figure.sheet_layout import columns_for, sheet_layout
-from lappet_blender.look.skin_read import SkinCache
-from lappet_blender.look.skin_source import StepEvent
+from lappet.drawing.figure_steps import MOST_PANELS, hook_height, step_captions, story_steps
+from lappet.drawing.skin_read import SkinCache
+from lappet.drawing.skin_source import SkinSource, StepEvent, Strands
 
 
 def test_the_filmstrip_tells_the_operation_in_order(cache: SkinCache) -> None:
@@ -39,6 +39,22 @@ def test_a_flap_is_transposed_into_what_was_excised_and_the_edges_of_a_mere_exci
     for cuts, word in ((excision, "Advanced"), ([*excision, StepEvent("Incision", "limbs", 2, 2)], "Laid in place")):
         captions = [step.caption for step in story_steps([*cuts, hook, closing], frames, lambda t: -abs(t - 8.0))]
         assert captions == ["Before", "Excised", "Lifted with hooks", word, "Sutured", "Final result"]
+
+
+def test_a_flap_on_the_side_of_a_head_is_lifted_most_where_it_stands_out_most_from_the_skin_there() -> None:
+    class Sideways:
+        """A hook that rises along x, up to frame 9, while it goes along z; another one that is never active."""
+
+        def hooks(self, time: float) -> Strands:
+            held = [[8.0 - abs(time - 9.0), 0.0, -100.0 + 3.0 * time], [0.0, 0.0, 0.0]]
+            ends = np.repeat(np.array(held, np.float32)[:, None], 2, axis=1)
+            return Strands(ends, np.array([6 <= time < 14, False]))
+
+    height = hook_height(cast(SkinSource, Sideways()), np.array([1.0, 0.0, 0.0]))
+    assert height(5.0) == -np.inf
+    hook, closing = StepEvent("Hook", "tip", 6, 14), StepEvent("Suture", "corner", 12, 16)
+    steps = story_steps([StepEvent("Incision", "limb", 2, 2), hook, closing], [float(t) for t in range(1, 18)], height)
+    assert [step.frame for step in steps if step.caption == "Lifted with hooks"] == [9.0]
 
 
 def test_the_story_names_undermining_and_tells_buried_sutures_apart() -> None:
@@ -98,16 +114,3 @@ def test_chosen_frames_are_captioned_by_their_number_and_newest_event() -> None:
     events = [StepEvent("Incision", "upper_limb", 3, 3), StepEvent("Suture", "tip", 8, 9)]
     steps = step_captions(events, [1.0, 5.0, 8.0])
     assert [(s.caption, s.detail) for s in steps] == [("Frame 1", ""), ("Frame 5", "upper limb"), ("Frame 8", "tip")]
-
-
-@pytest.mark.parametrize("count", range(1, 7))
-def test_panels_of_a_sheet_lie_inside_it_and_do_not_overlap(count: int) -> None:
-    (width, height), corners, caption = sheet_layout(count, (640, 480))
-    assert len(corners) == count
-    assert columns_for(count) <= 3
-    for k, (x, y) in enumerate(corners):
-        assert x >= 0
-        assert x + 640 <= width
-        assert y + 480 + caption <= height
-        for u, v in corners[:k]:
-            assert abs(x - u) >= 640 or abs(y - v) >= 480 + caption

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.skin_fields import SKIN, WOUND_WALL
+from lappet.drawing.skin_source import SkinSource
 from lappet.geometry.triangles import area_normals
 
-from ..look.skin_fields import SKIN, WOUND_WALL
-from ..look.skin_source import SkinSource
-
+LENS, SENSOR = 90.0, 36.0  # focal length and the longer side of the sensor, mm
 VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0
 AROUND_WHOLE = 1.6  # times the tissue, where there is no wound
@@ -26,12 +26,44 @@ WHOLE_FILL = (0.94, 0.94)
 OVERHANG = -0.2  # of a body's skin that faces down more than so (its normal's z), a plate is drawn from above
 
 
+def half_angles(size: tuple[int, int]) -> tuple[float, float]:
+    """Compute the tangents of half the horizontal and vertical field of view of a picture.
+
+    Parameters
+    ----------
+    size
+        Its width and height in pixels.
+
+    Returns
+    -------
+    tuple[float, float]
+        The tangents.
+    """
+    across = SENSOR / 2 / LENS
+    longer = max(size)
+    return across * size[0] / longer, across * size[1] / longer
+
+
 @dataclass(frozen=True, eq=False)
 class SurgicalField:
     """What the picture must show.
 
-    points: (k, 3) mm. right, up, normal: unit vectors (3,), up along the skin. fill: the shares of the picture's width
-    and height that the points may take up. context: how much larger than the field what is shown around it is.
+    Parameters
+    ----------
+    points
+        The places in mm, shape (k, 3).
+    center
+        Their middle in mm, shape (3,).
+    right
+        Unit vector to the right of the picture, shape (3,).
+    up
+        Unit vector up along the skin, shape (3,).
+    normal
+        Unit vector out of the skin, shape (3,).
+    fill
+        The shares of the picture's width and height that the points may take up.
+    context
+        How much larger than the field what is shown around it is.
     """
 
     points: NDArray[np.float64]
@@ -55,7 +87,17 @@ class SurgicalField:
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A camera: position (3,) mm, axes (3, 3) with rows right, up, backwards, and the distance to the center in mm."""
+    """A camera.
+
+    Parameters
+    ----------
+    position
+        Where it stands in mm, shape (3,).
+    axes
+        Unit vectors to the right, up and backwards, shape (3, 3).
+    distance
+        To the field's center in mm.
+    """
 
     position: NDArray[np.float64]
     axes: NDArray[np.float64]
@@ -63,7 +105,25 @@ class Viewpoint:
 
 
 def surgical_field(cache: SkinSource, frames: tuple[float, ...]) -> SurgicalField:
-    """The field that wound walls, active sutures and hooks cover in any of the frames, or all skin where none is."""
+    """Find the field that wound walls, active sutures and hooks cover in some frames, or all skin where there are none.
+
+    Parameters
+    ----------
+    cache
+        The solved procedure.
+    frames
+        Time codes, at least one.
+
+    Returns
+    -------
+    SurgicalField
+        The field.
+
+    Raises
+    ------
+    FigureError
+        If one of the frames is not there.
+    """
     found = []
     everything = []
     for time in frames:
@@ -80,9 +140,19 @@ def surgical_field(cache: SkinSource, frames: tuple[float, ...]) -> SurgicalFiel
 
 
 def widened(field: SurgicalField, tissue: NDArray[np.float64]) -> SurgicalField:
-    """A field on a body that is shown: as much around it as the tissue reaches, with the body's top up.
+    """Widen a field on a body: as much around it as the tissue reaches, with the body's top up.
 
-    tissue: (k, 3) mm.
+    Parameters
+    ----------
+    field
+        The field.
+    tissue
+        Points of all that is shown in mm, shape (k, 3).
+
+    Returns
+    -------
+    SurgicalField
+        The wider field.
     """
     own = float(np.linalg.norm(np.ptp(field.points, axis=0)))
     least = AROUND_WHOLE if field.fill == WHOLE_FILL else 1.0
@@ -101,10 +171,23 @@ def field_around(
     skin: NDArray[np.int32],
     everything: Sequence[NDArray[np.float64]] = (),
 ) -> SurgicalField:
-    """The field of some points (k, 3) on a skin, seen along its normal there; where there are none, all of it.
+    """Find the field of some points on a skin, seen along its normal there; where there are none, of all of it.
 
-    points: (n, 3) mm and skin: (m, 3), the triangles of the skin. everything: (k, 3) each, what all of it is; left out:
-    the skin's points.
+    Parameters
+    ----------
+    found
+        The points in mm, shape (k, 3).
+    points
+        Vertices in mm, shape (n, 3).
+    skin
+        Vertex indices of the skin's triangles, shape (m, 3).
+    everything
+        Points of all there is in mm, shape (k, 3) each; left out: the skin's vertices.
+
+    Returns
+    -------
+    SurgicalField
+        The field.
     """
     whole = not len(found)
     field = np.concatenate(everything or [points[np.unique(skin)]]) if whole else found
@@ -126,11 +209,24 @@ def field_around(
     return SurgicalField(field, center, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
-def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float], turned: float = TURN) -> Viewpoint:
-    """The nearest camera in a view's direction that holds every point of the field within its share of the picture.
+def viewpoint(field: SurgicalField, view: str, tangents: tuple[float, float], turned: float = TURN) -> Viewpoint:
+    """Place the nearest camera in a view's direction that holds the whole field within its share of the picture.
 
-    view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view. turned: degrees to
-    the right, but for a view from above.
+    Parameters
+    ----------
+    field
+        The field.
+    view
+        One of `VIEWS`.
+    tangents
+        Tangents of half the horizontal and vertical field of view (`half_angles`).
+    turned
+        Degrees to the right, but for a view from above.
+
+    Returns
+    -------
+    Viewpoint
+        The camera.
     """
     steep = VIEWS[view] if field.context == 1.0 else 90.0 - LEANING * (90.0 - VIEWS[view])
     elevation = np.radians(steep)
@@ -145,7 +241,7 @@ def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float],
     up /= np.linalg.norm(up)
     right = np.cross(up, back)
     local = (field.points - field.center) @ np.stack([right, up, back]).T
-    room = np.asarray(half_angles) * field.fill
+    room = np.asarray(tangents) * field.fill
     # Shift sideways and up so that the field is centerd as the camera sees it, then stand just far enough.
     shift = np.zeros(2)
     distance = 0.0

@@ -1,26 +1,12 @@
-"""Quantities on the skin that the materials draw: normals and borders; the grid in mm and the depth are lappet's."""
+"""What pictures need of a skin's faces: their normals and the edge of the wound."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.skin_shape import depth_below_skin, uv_scale
+from lappet.drawing.skin_source import ORIGINS
 from lappet.geometry.triangles import area_normals
-
-from .skin_source import ORIGINS
-
-__all__ = [
-    "RIM",
-    "SKIN",
-    "UNDERSIDE",
-    "WOUND_WALL",
-    "SkinNormals",
-    "border_chains",
-    "depth_below_skin",
-    "uv_scale",
-    "vertex_normals",
-]
 
 SKIN, WOUND_WALL, UNDERSIDE, RIM = range(len(ORIGINS))
 
@@ -28,7 +14,24 @@ SKIN, WOUND_WALL, UNDERSIDE, RIM = range(len(ORIGINS))
 def vertex_normals(
     positions: NDArray[np.float32], triangles: NDArray[np.int32], origin: NDArray[np.uint8], label: int
 ) -> NDArray[np.float32]:
-    """Area-weighted unit normals (n, 3) of the faces of one origin; 0 at vertices that touch none of them."""
+    """Compute area-weighted unit normals of the faces of one origin.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    origin
+        An index into `ORIGINS` for each triangle, shape (m,).
+    label
+        The origin whose faces count.
+
+    Returns
+    -------
+    NDArray[np.float32]
+        Normals, shape (n, 3); 0 at vertices that touch none of the faces.
+    """
     t = triangles[origin == label]
     face = np.cross(positions[t[:, 1]] - positions[t[:, 0]], positions[t[:, 2]] - positions[t[:, 0]])
     total = np.zeros((len(positions), 3), np.float64)
@@ -39,10 +42,21 @@ def vertex_normals(
 
 
 class SkinNormals:
-    """Unit normals of the faces of one origin, at a few vertices at a time."""
+    """Unit normals of the faces of one origin, at a few vertices at a time.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+    origin
+        An index into `ORIGINS` for each triangle, shape (m,).
+    label
+        The origin whose faces count.
+    count
+        Number of vertices.
+    """
 
     def __init__(self, triangles: NDArray[np.int32], origin: NDArray[np.uint8], label: int, count: int) -> None:
-        """count: number of vertices."""
         self._triangles = triangles[origin == label]
         corners = self._triangles.ravel()
         self._faces = np.argsort(corners, kind="stable") // 3
@@ -50,11 +64,24 @@ class SkinNormals:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """(n,): whether a vertex touches any of the faces."""
+        """Whether each vertex touches any of the faces, shape (n,)."""
         return np.diff(self._first) > 0
 
     def at(self, positions: NDArray[np.float32], vertices: NDArray[np.integer]) -> NDArray[np.float64]:
-        """(k, 3): area-weighted unit normals at vertices (k,); 0 where they touch none of the faces."""
+        """Compute area-weighted unit normals at some vertices.
+
+        Parameters
+        ----------
+        positions
+            All vertices in mm, shape (n, 3).
+        vertices
+            Indices, shape (k,).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Normals, shape (k, 3); 0 where a vertex touches none of the faces.
+        """
         counts = self._first[vertices + 1] - self._first[vertices]
         owner = np.repeat(np.arange(len(vertices)), counts)
         inside = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -65,7 +92,20 @@ class SkinNormals:
 
 
 def border_chains(triangles: NDArray[np.int32], origin: NDArray[np.uint8]) -> list[NDArray[np.int32]]:
-    """The edges between skin and wound wall, joined into chains of vertices (k,); closed chains repeat their first."""
+    """Join the edges between skin and wound wall into chains.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+    origin
+        An index into `ORIGINS` for each triangle, shape (m,).
+
+    Returns
+    -------
+    list[NDArray[np.int32]]
+        Vertex indices of each chain, shape (k,); closed chains repeat their first.
+    """
 
     def edges(label: int) -> NDArray[np.int64]:
         t = triangles[origin == label].astype(np.int64)

@@ -11,7 +11,19 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class SceneryMesh:
-    """A mesh of the scenery: its kind, points (n, 3) float32 in mm, triangles (m, 3) int32."""
+    """A mesh of the scenery.
+
+    Parameters
+    ----------
+    name
+        Its prim's name.
+    kind
+        What it shows, such as "skin".
+    points
+        Vertices in mm, shape (n, 3), float32.
+    triangles
+        Vertex indices, shape (m, 3), int32.
+    """
 
     name: str
     kind: str
@@ -20,7 +32,20 @@ class SceneryMesh:
 
 
 def read_scenery(stage: Any, mm: float) -> tuple[SceneryMesh, ...]:
-    """The scenery of a stage; faces of more than three corners are split into fans. mm: of the stage's unit."""
+    """Read the scenery of a stage; faces of more than three corners are split into fans.
+
+    Parameters
+    ----------
+    stage
+        The stage.
+    mm
+        Millimetres in the stage's unit.
+
+    Returns
+    -------
+    tuple[SceneryMesh, ...]
+        The meshes, without those that are broken.
+    """
     folder = stage.GetPrimAtPath("/Procedure/Scenery")
     found = []
     for prim in folder.GetChildren() if folder else []:
