@@ -56,6 +56,7 @@ FOLDERS = (
     "background",
     "output",
     "drawing",
+    "plates",
     "bench",
     "demo",
     "reports",

@@ -353,6 +353,8 @@ class ProblemCode(StrEnum):
     PLATE_CAPTION_KEY = auto()
     PLATE_CMYK = auto()
     PLATE_PROFILE = auto()
+    PLATE_CACHE = auto()
+    PLATE_FOLDER = auto()
     DEMO_MISSING = auto()
     REPORT_FOLDER = auto()
     REPORT_NEEDS = auto()

@@ -26,7 +26,7 @@ WHOLE_FILL = (0.94, 0.94)
 OVERHANG = -0.2  # of a body's skin that faces down more than so (its normal's z), a plate is drawn from above
 
 
-def half_angles(size: tuple[int, int]) -> tuple[float, float]:
+def half_angles(size: tuple[float, float]) -> tuple[float, float]:
     """Compute the tangents of half the horizontal and vertical field of view of a picture.
 
     Parameters

@@ -1,8 +1,8 @@
 """Labels beside a panel with straight leaders of the least total length that cross neither each other nor a text.
 
 Each label takes one of the ports at equal distances on the two sides of the panel (boundary labeling with straight
-leaders: Bekos et al. 2007, "Boundary labeling: models and efficient algorithms"). The assignment is solved exactly, as an
-integer program: first without conditions, then with those that its solution breaks, until it breaks none.
+leaders: Bekos et al. 2007, "Boundary labeling: models and efficient algorithms"). The assignment is solved exactly, as
+an integer program: first without conditions, then with those that its solution breaks, until it breaks none.
 """
 
 from __future__ import annotations
@@ -185,9 +185,7 @@ def _conflicts(sites: NDArray[np.float64], ports: _Ports, chosen: NDArray[np.int
     return found
 
 
-def _cross(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
-) -> bool:
+def _cross(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]) -> bool:
     """Whether the segments ab and cd have a point in common."""
 
     def side(p: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]) -> float:

@@ -106,5 +106,6 @@ def corner_normals(
     keys = (triangles + origin[:, None] * len(points)).ravel()
     used, inverse = np.unique(keys, return_inverse=True)
     total = np.stack([np.bincount(inverse, np.repeat(face[:, k], 3), len(used)) for k in range(3)], axis=1)
-    total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
-    return total[inverse].reshape(-1, 3, 3)
+    lengths = np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
+    normals: NDArray[np.float64] = (total / lengths)[inverse].reshape(-1, 3, 3)
+    return normals

@@ -124,9 +124,7 @@ def contour_lines(
     return [at[chain] for chain in joined_chains(inverse)]
 
 
-def _borders(
-    surface: DrawnSurface, one: tuple[int, ...], other: tuple[int, ...]
-) -> list[NDArray[np.int64]]:
+def _borders(surface: DrawnSurface, one: tuple[int, ...], other: tuple[int, ...]) -> list[NDArray[np.int64]]:
     """The edges between faces of some origins and faces of others, joined."""
     count = len(surface.points)
 

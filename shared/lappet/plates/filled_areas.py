@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
+from typing import cast
 
 import contourpy
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
+from shapely import LineString
 
 from lappet.anatomy.tissue_kind import KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
@@ -117,9 +120,7 @@ def seen_pixels(
     return SeenPixels(triangle.reshape(shape), depth.reshape(shape), kind.reshape(shape), x, y)
 
 
-def wall_kinds(
-    below: NDArray[np.float64], column: NDArray[np.int64], layers: TissueLayers
-) -> NDArray[np.int64]:
+def wall_kinds(below: NDArray[np.float64], column: NDArray[np.int64], layers: TissueLayers) -> NDArray[np.int64]:
     """Tell the kind of area of places on wound walls.
 
     Parameters
@@ -191,10 +192,10 @@ def _traced(
     wide_x = np.concatenate([x[0] - step * np.arange(3, 0, -1), x, x[-1] + step * np.arange(1, 4)])
     wide_y = np.concatenate([y[0] - step * np.arange(3, 0, -1), y, y[-1] + step * np.arange(1, 4)])
     lines = contourpy.contour_generator(wide_x, wide_y, soft, fill_type=contourpy.FillType.OuterOffset)
-    polygons, offsets = lines.filled(0.5, 2.0)
+    found_areas = cast("tuple[list[NDArray[np.float64]], list[NDArray[np.uint32]]]", lines.filled(0.5, 2.0))
     found = []
-    for points, starts in zip(polygons, offsets, strict=True):
-        rings = [points[a:b] for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    for points, starts in zip(*found_areas, strict=True):
+        rings = [points[a:b] for a, b in pairwise(starts)]
         if _ring_area(rings[0]) >= _LEAST:
             found.append(tuple(_simplified(ring) for ring in rings if _ring_area(ring) >= _LEAST))
     return found
@@ -206,6 +207,4 @@ def _ring_area(ring: NDArray[np.float64]) -> float:
 
 
 def _simplified(ring: NDArray[np.float64]) -> NDArray[np.float64]:
-    from shapely import LineString
-
     return np.array(LineString(ring).simplify(0.25 * PIXEL).coords)

@@ -92,8 +92,7 @@ def levels(
     counts = np.maximum(high - low + 1, 0).astype(np.int64)
     owner = np.repeat(np.arange(len(t)), counts)
     level = low[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
-    found = _crossings(t[owner], value[owner], level, tone[owner], surface.points)
-    return found
+    return _crossings(t[owner], value[owner], level, tone[owner], surface.points)
 
 
 def _crossings(

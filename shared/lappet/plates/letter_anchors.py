@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from string import ascii_lowercase
 
 import numpy as np
@@ -42,7 +43,7 @@ class Corner:
     Parameters
     ----------
     letter
-        Its letter: a, b, c …
+        Its letter, from a on.
     at
         The corner in mm, shape (3,).
     sectors
@@ -105,7 +106,7 @@ def _turns(line: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], list[ND
     closed = bool(np.allclose(line[0], line[-1]))
     points = line[:-1] if closed else line
     step = float(np.median(np.linalg.norm(np.diff(line, axis=0), axis=1)))
-    reach = max(int(round(_STRETCH / max(step, 1e-9))), 1)
+    reach = max(round(_STRETCH / max(step, 1e-9)), 1)
     count = len(points)
 
     def way(begin: int, to: int) -> NDArray[np.float64]:
@@ -153,9 +154,9 @@ def legs(line: NDArray[np.float64]) -> list[NDArray[np.float64]]:
             return [line]
         turned = np.vstack([line[at[0] : -1], line[: at[0] + 1]])
         at = [each - at[0] for each in at] + [len(turned) - 1]
-        return [turned[a : b + 1] for a, b in zip(at[:-1], at[1:], strict=True)]
+        return [turned[a : b + 1] for a, b in pairwise(at)]
     at = sorted({0, *at, len(line) - 1})
-    return [line[a : b + 1] for a, b in zip(at[:-1], at[1:], strict=True)]
+    return [line[a : b + 1] for a, b in pairwise(at)]
 
 
 def _sectors(ways: Sequence[NDArray[np.float64]], normal: NDArray[np.float64]) -> tuple[Sector, ...]:

@@ -79,7 +79,9 @@ def plan_measures(
     return found
 
 
-def _beside(leg: NDArray[np.float64], paper: NDArray[np.float64], taken: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+def _beside(
+    leg: NDArray[np.float64], paper: NDArray[np.float64], taken: list[NDArray[np.float64]]
+) -> NDArray[np.float64]:
     """The place beside a leg's middle, on the side where there is more room."""
     middle, way = leg[len(leg) // 2], leg[-1] - leg[0]
     side = np.array([-way[1], way[0]]) / max(float(np.linalg.norm(way)), 1e-12)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 from shapely import LineString, box
 
 from lappet.drawing.framing import half_angles
@@ -48,7 +49,15 @@ STROKE_LABELS = {
 
 @dataclass(frozen=True, eq=False)
 class Letter:
-    """A corner's letter on the paper; at: its middle in mm, shape (2,)."""
+    """A corner's letter on the paper.
+
+    Parameters
+    ----------
+    text
+        The letter.
+    at
+        Its middle in mm, shape (2,).
+    """
 
     text: str
     at: NDArray[np.float64]
@@ -164,8 +173,8 @@ def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
         if own and sum(lengths) >= _LEAST_LENGTH:
             longest = LineString(own[int(np.argmax(lengths))])
             sites[key] = np.array(longest.interpolate(0.5, normalized=True).coords[0])
-    for kind, key in AREA_LABELS.items():
-        place = _inside(drawing, kind)
+    for area, key in AREA_LABELS.items():
+        place = _inside(drawing, area)
         if place is not None:
             sites[key] = place
     return sites
@@ -173,8 +182,6 @@ def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
 
 def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None:
     """The place of an area that is farthest from its border."""
-    from scipy.ndimage import distance_transform_edt
-
     pixels = drawing.pixels
     mask = pixels.kind == tuple(AreaKind).index(kind)
     step = float(pixels.x[1] - pixels.x[0])
@@ -241,7 +248,7 @@ def _arrows(
 
 
 def _bent(way: NDArray[np.float64], count: int = 24) -> NDArray[np.float64]:
-    """A smooth arc from a way's begin to its end that bulges to the side on which the way runs, as an arrow is drawn."""
+    """A smooth arc from a way's begin to its end that bulges to the side on which the way runs."""
     begin, end = way[0], way[-1]
     chord = end - begin
     side = np.array([-chord[1], chord[0]]) / np.linalg.norm(chord)

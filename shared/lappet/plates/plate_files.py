@@ -14,6 +14,36 @@ from lappet.plates.plate_font import PlateFont
 SUFFIXES = (".svg", ".pdf", ".png", ".tif", ".tiff")
 
 
+def check_format(path: Path, profile: Path | None = None) -> str:
+    """Refuse a file that no plate can be written as.
+
+    Parameters
+    ----------
+    path
+        The file.
+    profile
+        An ICC profile of a printing process, or None.
+
+    Returns
+    -------
+    str
+        The suffix in lower case, one of `SUFFIXES`.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is none of these, the folder is missing, or the format has no colors of printing.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise refused(ProblemCode.PLATE_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
+    if not path.absolute().parent.is_dir():
+        raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
+    if profile is not None and suffix not in (".tif", ".tiff"):
+        raise refused(ProblemCode.PLATE_CMYK, path, path.suffix)
+    return suffix
+
+
 def write_plate(
     svg: str,
     size: tuple[float, float],
@@ -48,15 +78,11 @@ def write_plate(
     Raises
     ------
     RefusedError
-        If the suffix is none of these, or the profile is none for CMYK.
+        If the suffix is none of these, the folder is missing, or the profile is none for CMYK.
     OSError
         If the file cannot be written.
     """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise refused(ProblemCode.PLATE_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
-    if profile is not None and suffix not in (".tif", ".tiff"):
-        raise refused(ProblemCode.PLATE_CMYK, path, path.suffix)
+    suffix = check_format(path, profile)
     if suffix == ".svg":
         data = svg.encode()
     elif suffix == ".pdf":

@@ -17,21 +17,20 @@ _PLAIN_FAMILY = 1
 
 
 class PlateFont:
-    """A font file."""
+    """A font file.
+
+    Parameters
+    ----------
+    path
+        A TrueType or OpenType file; None for Source Sans Pro.
+
+    Raises
+    ------
+    RefusedError
+        If the file is no font that can be read.
+    """
 
     def __init__(self, path: Path | None = None) -> None:
-        """Read a font.
-
-        Parameters
-        ----------
-        path
-            A TrueType or OpenType file; None for Source Sans Pro.
-
-        Raises
-        ------
-        RefusedError
-            If the file is no font that can be read.
-        """
         from fontTools.ttLib import TTFont, TTLibError
 
         own = Path(str(files("font_source_sans_pro") / "files" / "SourceSansPro-Regular.ttf"))

@@ -42,7 +42,7 @@ class PagePanel:
     Parameters
     ----------
     letter
-        A, B, C …
+        Its letter, from A on.
     step
         What it shows.
     caption
@@ -187,10 +187,8 @@ def plate_page(
     tops = np.concatenate([[0.0], np.cumsum(heights)])
     panels = []
     labelled: set[str] = set()
-    for k, step in enumerate(request.steps):
-        middle = np.array(
-            [(k % columns) * (width + GUTTER) + 0.5 * width, float(tops[k // columns]) + 0.5 * panel[1]]
-        )
+    for k in range(len(request.steps)):
+        middle = np.array([(k % columns) * (width + GUTTER) + 0.5 * width, float(tops[k // columns]) + 0.5 * panel[1]])
         panels.append(_panel(scene, request, style, words, font, k, panel, lines[k], middle, labelled))
     alt = words("alt.plate", count=len(panels))
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
@@ -236,9 +234,7 @@ def _panel(
     if planned and request.measures:
         measures = plan_measures(scene.source.planned_incisions(0.5), scene.corners, drawing.projection)
     bar = max((each for each in _BARS if each * drawing.projection.scale <= 0.3 * size[0]), default=0.0)
-    return PagePanel(
-        letter, step, caption, middle, drawing, tuple(labels), tuple(measures), bar if index == 0 else 0.0
-    )
+    return PagePanel(letter, step, caption, middle, drawing, tuple(labels), tuple(measures), bar if index == 0 else 0.0)
 
 
 def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[float]:

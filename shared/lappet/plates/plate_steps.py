@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.drawing.skin_source import SkinSource, StepEvent
 from lappet.geometry.labeled_surface import FaceOrigin
 
 _CUTS = ("Incision", "Excision", "Undermine")
 _PULLS = ("Hook", "Retractor")
+_MOST = 99.0  # percent of the skin's points that count: the tips of flaps settle a little when hooks let go
 _SAME = 1.5  # mm: two panels in which no skin moves farther are one (chosen: about a line of text on paper)
 
 
@@ -51,7 +53,7 @@ class PlateStep:
     kind: StepKind
 
 
-def plate_steps(source: SkinSource, normal: np.ndarray) -> list[PlateStep]:
+def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateStep]:
     """Choose the panels of a plate of steps.
 
     Parameters
@@ -102,7 +104,7 @@ def _cut_kind(cuts: Sequence[StepEvent]) -> StepKind:
 
 
 def _pulled(
-    source: SkinSource, normal: np.ndarray, pulls: Sequence[StepEvent], sutures: Sequence[StepEvent]
+    source: SkinSource, normal: NDArray[np.float64], pulls: Sequence[StepEvent], sutures: Sequence[StepEvent]
 ) -> list[PlateStep]:
     """Where hooked tissue is highest, and the last frame before hooks let go or all sutures hold."""
     if not pulls:
@@ -140,4 +142,4 @@ def _same(source: SkinSource, one: float, other: float) -> bool:
         return False
     skin = np.unique(first.triangles[first.origin == FaceOrigin.SKIN])
     moved = source.positions(first, one)[skin] - source.positions(first, other)[skin]
-    return bool(np.linalg.norm(moved, axis=1).max(initial=0.0) < _SAME)
+    return not len(skin) or bool(np.percentile(np.linalg.norm(moved, axis=1), _MOST) < _SAME)

@@ -61,7 +61,8 @@ def plate_svg(page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, b
     head = (
         '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
         'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
-        f'width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" role="img" aria-label="{_plain(page.alt)}"'
+        f'width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
+        f'role="img" aria-label="{_plain(page.alt)}"'
     )
     face = (
         f"<title>{_plain(page.alt)}</title><style>@font-face{{font-family:'{font.family}';"
@@ -113,9 +114,7 @@ def _round(values: Any) -> list[float]:
     return [float(each) for each in np.round(np.asarray(values, np.float64).ravel(), _DIGITS) + 0.0]
 
 
-def _shade(
-    groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float
-) -> None:
+def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
     if style.shading is Shading.FILLS:
         if panel.drawing.goes_on:
             corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)

@@ -10,24 +10,23 @@ _EDGE = 1e-9  # share of a triangle by which a place may lie outside it
 
 
 class ScreenTriangles:
-    """The triangles of a projected surface that face the camera, by the cells of the paper that they cover."""
+    """The triangles of a projected surface that face the camera, by the cells of the paper that they cover.
+
+    Parameters
+    ----------
+    paper
+        Where the vertices lie on the paper in mm, shape (n, 2).
+    depth
+        Their depths in mm, positive, shape (n,).
+    triangles
+        Vertex indices, counterclockwise as seen from outside, shape (m, 3).
+    cell
+        Side of a cell in mm.
+    """
 
     def __init__(
         self, paper: NDArray[np.float64], depth: NDArray[np.float64], triangles: NDArray[np.integer], cell: float
     ) -> None:
-        """Sort triangles into cells.
-
-        Parameters
-        ----------
-        paper
-            Where the vertices lie on the paper in mm, shape (n, 2).
-        depth
-            Their depths in mm, positive, shape (n,).
-        triangles
-            Vertex indices, counterclockwise as seen from outside, shape (m, 3).
-        cell
-            Side of a cell in mm.
-        """
         corners = paper[triangles]
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

@@ -15,7 +15,9 @@ _SHADOW = 0.30  # of the light that a place deep in a wound loses
 _DEEP = 4.0  # mm below what is around it at which it has lost nearly all of that
 
 
-def wash(drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind, str], dpi: float) -> NDArray[np.uint8]:
+def wash(
+    drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind, str], dpi: float
+) -> NDArray[np.uint8]:
     """Shade a panel.
 
     The shadows of depth are those of an unsharp mask of the depth buffer (Luft, Colditz and Deussen 2006).
@@ -45,6 +47,7 @@ def wash(drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind
     beside = distance_transform_edt(~seen, return_distances=False, return_indices=True)
     shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, 1.0)
     depth = pixels.depth[tuple(beside)] if seen.any() else np.zeros(shape)
+    depth = depth - _slope(depth)  # what lies flat before the camera throws no shadow at the panel's border
     around = gaussian_filter(depth, _HALO / PIXEL)
     shade = shade * (1.0 - _SHADOW * np.tanh(np.clip(depth - around, 0.0, None) / _DEEP * 2.0))
     palette = np.array([[int(fills[kind][k : k + 2], 16) for k in (1, 3, 5)] for kind in AreaKind], np.float64)
@@ -54,5 +57,13 @@ def wash(drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind
     picture = color * np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)[..., None]
     picture[~seen] = palette[0] if drawing.goes_on else 255.0
     factor = dpi / 25.4 * PIXEL
-    picture = np.stack([zoom(picture[..., k], factor, order=1) for k in range(3)], axis=-1)
+    picture = np.stack([zoom(picture[..., k], factor, order=1, mode="nearest") for k in range(3)], axis=-1)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+
+def _slope(depth: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The plane that fits a depth buffer best, (h, w)."""
+    rows, columns = np.indices(depth.shape, np.float64)
+    terms = np.stack([np.ones(depth.size), rows.ravel(), columns.ravel()], axis=1)
+    plane: NDArray[np.float64] = (terms @ np.linalg.lstsq(terms, depth.ravel(), rcond=None)[0]).reshape(depth.shape)
+    return plane

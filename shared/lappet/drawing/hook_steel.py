@@ -11,7 +11,21 @@ from lappet.drawing.skin_source import SkinEpoch, SkinSource
 
 
 class HookSteel:
-    """The hooks of a procedure; each keeps one direction for its whole life."""
+    """The hooks of a procedure; each keeps one direction for its whole life.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    axes
+        Unit vectors to the right, up along the skin and along its normal, as the picture is seen, shape (3, 3).
+    center
+        The middle of the picture in mm, shape (3,).
+    scale
+        Of all thicknesses.
+    before
+        Hooks of the same epochs; what was found of them is kept.
+    """
 
     def __init__(
         self,
@@ -21,11 +35,6 @@ class HookSteel:
         scale: float,
         before: HookSteel | None = None,
     ) -> None:
-        """Draw hooks along these axes.
-
-        axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. center: (3,) mm, of it. before:
-        of the same epochs; what was found of them is kept.
-        """
         self._source, self._normal, self._scale = source, axes[2], scale
         courses = source.hook_courses()
         found = hook_directions(list(courses.values()), center, axes)
@@ -35,11 +44,33 @@ class HookSteel:
         )
 
     def knows(self, epoch: SkinEpoch) -> bool:
-        """Whether a hook was drawn in an epoch before."""
+        """Tell whether a hook was drawn in an epoch before.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+
+        Returns
+        -------
+        bool
+            Whether it was.
+        """
         return epoch.name in self._held
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
-        """The hooks (k, 3) that are active at a frame and their radii, mm."""
+        """Draw the hooks that are active at a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]
+            Their courses in mm, each of shape (k, 3), and their radii in mm, each of shape (k,).
+        """
         hooks = self._source.hooks(time)
         active = [int(i) for i in np.flatnonzero(hooks.active) if int(i) in self._directions]
         lines: list[NDArray[np.float64]] = []

@@ -8,11 +8,10 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.dashed_line import dashes
 from lappet.drawing.skin_fields import SKIN
 from lappet.drawing.skin_source import SkinEpoch, SkinSource
 from lappet.drawing.suture_bites import Bite, BitesInto, carried
-
-from .dashed_line import dashes
 
 INCISION_RADIUS = 0.24
 UNDERMINE_RADIUS = 0.16
@@ -26,13 +25,16 @@ class SkinMarks:
 
     until: the monotonic second at which `tubes` stops to find where they ride, None: it finds all; the rest is
     `unfinished`.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    before
+        Marks of the same epochs; where a line is still the same, where it rides is not searched again.
     """
 
     def __init__(self, source: SkinSource, before: SkinMarks | None = None) -> None:
-        """Incisions are marked while the skin is whole; undermining from its event until hooks or sutures act.
-
-        before: marks of the same epochs; where a line is still the same, where it rides is not searched again.
-        """
         self._source = source
         self._incisions = source.planned_incisions(STEP)
         self._dashes = [dash for area in source.undermined_areas(STEP / 2) for dash in dashes(area)]
@@ -48,7 +50,19 @@ class SkinMarks:
         self.unfinished = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
-        """The marks (k, 3) of a frame and their radii, mm; none while where they ride is not all found."""
+        """Draw the marks of a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        tuple[list[NDArray[np.float64]], list[float]]
+            Their courses in mm, each of shape (k, 3), and their radii in mm; none while where they ride is not all
+            found.
+        """
         self.unfinished = False
         lines, radius = self._which(time)
         return self._drawn(time, lines, radius) if lines else ([], [])

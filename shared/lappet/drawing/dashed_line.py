@@ -9,7 +9,18 @@ DASH, GAP = 1.6, 1.1
 
 
 def dashes(line: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """A polyline (k, 3) in mm cut into dashes of `DASH` mm with gaps of `GAP` mm, stretched to fit the whole length."""
+    """Cut a line into dashes of `DASH` mm with gaps of `GAP` mm, stretched to fit the whole length.
+
+    Parameters
+    ----------
+    line
+        The line in mm, shape (k, 3).
+
+    Returns
+    -------
+    list[NDArray[np.float64]]
+        The dashes in mm, each of shape (4, 3).
+    """
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     place = np.concatenate([[0.0], np.cumsum(steps)])
     count = max(1, round(float(place[-1]) / (DASH + GAP)))

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from lappet_blender.look.dashed_line import DASH, GAP, dashes
+from lappet.drawing.dashed_line import DASH, GAP, dashes
 
 
 def test_an_undermined_area_is_marked_in_dashes_that_close_evenly() -> None:
