@@ -1,17 +1,21 @@
-"""The surface that one panel draws: the tissue of a frame and the deep tissue below it, with what each face is."""
+"""The surface that one panel draws: the tissue of a frame, the deep tissue below it and the rest of a face."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.drawing.deep_bed import DeepBed
+from lappet.drawing.scenery_read import SceneryMesh
 from lappet.drawing.skin_source import SkinEpoch, SkinSource
 from lappet.geometry.labeled_surface import FaceOrigin
 
 BED = len(FaceOrigin)  # what lies below the tissue and does not move
+SCENERY_KINDS = ("skin", "eye", "iris", "pupil", "teeth")
+SCENERY = BED + 1  # what is shown around the tissue: of the first of `SCENERY_KINDS`, and so on
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +29,7 @@ class DrawnSurface:
     epoch
         The epoch whose tissue it is.
     points
-        Vertices in mm, shape (n, 3): those of the tissue, then those of the bed.
+        Vertices in mm, shape (n, 3): those of the tissue, of the bed, then of the scenery.
     rest
         The same at rest in mm, shape (n, 3).
     depth
@@ -33,7 +37,7 @@ class DrawnSurface:
     triangles
         Vertex indices, shape (m, 3).
     origin
-        `FaceOrigin` of each triangle, or `BED`, shape (m,).
+        `FaceOrigin` of each triangle, `BED`, or `SCENERY` and more, shape (m,).
     column
         Column of layers that each triangle lies in, shape (m,).
     normals
@@ -51,7 +55,7 @@ class DrawnSurface:
     normals: NDArray[np.float64]
 
 
-def drawn_surface(source: SkinSource, bed: DeepBed, time: float) -> DrawnSurface:
+def drawn_surface(source: SkinSource, bed: DeepBed, scenery: Sequence[SceneryMesh], time: float) -> DrawnSurface:
     """Put together what a panel draws.
 
     Parameters
@@ -60,6 +64,8 @@ def drawn_surface(source: SkinSource, bed: DeepBed, time: float) -> DrawnSurface
         The solved procedure.
     bed
         The tissue below it.
+    scenery
+        What is shown around it.
     time
         Time code of the frame.
 
@@ -71,15 +77,26 @@ def drawn_surface(source: SkinSource, bed: DeepBed, time: float) -> DrawnSurface
     epoch = source.epoch_at(time)
     tissue = source.positions(epoch, time).astype(np.float64)
     below = bed.positions(time).astype(np.float64)
-    points = np.vstack([tissue, below])
-    rest = np.vstack([source.rest(epoch).astype(np.float64), bed.rest])
+    around = [mesh.points.astype(np.float64) for mesh in scenery]
+    points = np.vstack([tissue, below, *around])
+    rest = np.vstack([source.rest(epoch).astype(np.float64), bed.rest, *around])
     deepest = float(source.depth(epoch).max(initial=0.0))
     depth = np.concatenate([source.depth(epoch).astype(np.float64), np.full(len(below), deepest)])
-    triangles = np.vstack([epoch.triangles, bed.triangles + len(tissue)]).astype(np.int64)
-    origin = np.concatenate([epoch.origin.astype(np.int64), np.full(len(bed.triangles), BED, np.int64)])
-    column = np.concatenate([source.column(epoch).astype(np.int64), np.zeros(len(bed.triangles), np.int64)])
+    depth = np.concatenate([depth, np.zeros(len(points) - len(depth))])
+    meshes = [epoch.triangles, bed.triangles, *(mesh.triangles for mesh in scenery)]
+    begins = np.cumsum([0, len(tissue), len(below), *(len(each) for each in around)])
+    triangles = np.vstack([mesh + begin for mesh, begin in zip(meshes, begins, strict=False)]).astype(np.int64)
+    kinds = [BED, *(SCENERY + _kind(mesh) for mesh in scenery)]
+    beyond = [np.full(len(mesh), kind, np.int64) for mesh, kind in zip(meshes[1:], kinds, strict=True)]
+    origin = np.concatenate([epoch.origin.astype(np.int64), *beyond])
+    column = np.zeros(len(triangles), np.int64)
+    column[: len(epoch.triangles)] = source.column(epoch)
     normals = corner_normals(points, triangles, origin)
     return DrawnSurface(time, epoch, points, rest, depth, triangles, origin, column, normals)
+
+
+def _kind(mesh: SceneryMesh) -> int:
+    return SCENERY_KINDS.index(mesh.kind) if mesh.kind in SCENERY_KINDS else 0
 
 
 def corner_normals(

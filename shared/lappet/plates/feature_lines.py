@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.plates.chains import joined_chains
-from lappet.plates.drawn_surface import BED, DrawnSurface
+from lappet.plates.drawn_surface import BED, SCENERY, DrawnSurface
 
 
 class LineKind(StrEnum):
@@ -72,7 +72,7 @@ def surface_lines(surface: DrawnSurface, eye: NDArray[np.float64]) -> list[Featu
     ]
     feet = _borders(surface, (wall,), (FaceOrigin.UNDERSIDE, BED))
     lines += [FeatureLine(LineKind.WALL_FOOT, surface.points[each], _LIFT) for each in feet]
-    drawn = np.isin(surface.origin, (FaceOrigin.SKIN, FaceOrigin.WOUND_WALL, FaceOrigin.UNDERSIDE))
+    drawn = (surface.origin < FaceOrigin.RIM) | (surface.origin >= SCENERY)
     contours = contour_lines(surface.points, surface.triangles[drawn], surface.normals[drawn], eye)
     return lines + [FeatureLine(LineKind.CONTOUR, each, _CONTOUR_LIFT) for each in contours]
 

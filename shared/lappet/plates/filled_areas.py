@@ -16,11 +16,12 @@ from shapely import LineString
 from lappet.anatomy.tissue_kind import KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.geometry.labeled_surface import FaceOrigin
-from lappet.plates.drawn_surface import BED, DrawnSurface
+from lappet.plates.drawn_surface import BED, SCENERY, SCENERY_KINDS, DrawnSurface
 from lappet.plates.projection import Projection
 from lappet.plates.screen_triangles import ScreenTriangles
 
 PIXEL = 0.12  # mm on paper
+_CELL = 0.5  # mm on paper
 _BLUR = 0.8  # pixels: what the border of an area is smoothed by
 _LEAST = 0.3  # mm²: smaller areas are left out
 
@@ -34,6 +35,11 @@ class AreaKind(StrEnum):
     WALL_SKIN = "wall-skin"
     WALL_FAT = "wall-fat"
     WALL_DEEP = "wall-deep"
+    EYE = "eye"
+    IRIS = "iris"
+    PUPIL = "pupil"
+    TEETH = "teeth"
+    HOLLOW = "hollow"
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +82,7 @@ class SeenPixels:
 
 
 _ORDER = tuple(AreaKind)
+_SCENERY = np.array([_ORDER.index(AreaKind(kind)) for kind in SCENERY_KINDS])
 
 
 def seen_pixels(
@@ -108,14 +115,23 @@ def seen_pixels(
     hit = triangle >= 0
     origin = surface.origin[triangle[hit]]
     kinds = np.select(
-        [origin == FaceOrigin.SKIN, origin == FaceOrigin.UNDERSIDE, origin == BED],
-        [_ORDER.index(AreaKind.SKIN), _ORDER.index(AreaKind.FLAP_UNDERSIDE), _ORDER.index(AreaKind.BED)],
+        [origin == FaceOrigin.SKIN, origin == FaceOrigin.UNDERSIDE, origin == BED, origin >= SCENERY],
+        [
+            *(_ORDER.index(each) for each in (AreaKind.SKIN, AreaKind.FLAP_UNDERSIDE, AreaKind.BED)),
+            _SCENERY[np.maximum(origin - SCENERY, 0)],
+        ],
         -1,
     )
     wall = origin == FaceOrigin.WOUND_WALL
     below = _depth_below(surface, projection, triangle[hit][wall], places[hit][wall])
     kinds[wall] = wall_kinds(below, surface.column[triangle[hit][wall]], layers)
     kind[hit] = kinds
+    if (surface.origin >= SCENERY).any():  # through a nostril or between lips the inside of what is shown is seen
+        inside = surface.triangles[(surface.origin >= SCENERY) | (surface.origin == FaceOrigin.RIM)]
+        empty = np.flatnonzero(kind < 0)
+        paper, away = projection.paper(surface.points)
+        back = ScreenTriangles(paper, away, inside, _CELL, behind=True).nearest(places[empty])[0] >= 0
+        kind[empty[back]] = _ORDER.index(AreaKind.HOLLOW)
     shape = (len(y), len(x))
     return SeenPixels(triangle.reshape(shape), depth.reshape(shape), kind.reshape(shape), x, y)
 

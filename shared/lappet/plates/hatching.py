@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.plates.chains import joined_chains
-from lappet.plates.drawn_surface import BED, DrawnSurface
+from lappet.plates.drawn_surface import BED, SCENERY, DrawnSurface
 from lappet.plates.feature_lines import FeatureLine, LineKind
 
 _LIFT = 0.2  # mm
@@ -43,7 +43,7 @@ def hatching(
     across = np.cross(light, along)
     across /= max(float(np.linalg.norm(across)), 1e-12)
     shade = 1.0 - np.clip(np.einsum("mki,i->mk", surface.normals, light), 0.0, 1.0)
-    skin = np.isin(surface.origin, (FaceOrigin.SKIN, FaceOrigin.UNDERSIDE))
+    skin = np.isin(surface.origin, (FaceOrigin.SKIN, FaceOrigin.UNDERSIDE, SCENERY))
     bed, wall = surface.origin == BED, surface.origin == FaceOrigin.WOUND_WALL
     plain = surface.rest @ across
     crossed = surface.rest @ (0.7 * across + 0.7 * along)

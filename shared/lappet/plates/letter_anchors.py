@@ -10,7 +10,7 @@ from string import ascii_lowercase
 import numpy as np
 from numpy.typing import NDArray
 
-_STRETCH = 1.5  # mm: over so much of a cut before and after it a corner is judged
+_STRETCH = 0.6  # mm: over so much of a cut before and after it a corner is judged
 _TURN = np.radians(30.0)  # a cut that turns by more has a corner there
 _SAME = 1.5  # mm: corners that are nearer are one
 _ONE_CUT = np.radians(8.0)  # two cuts that meet at less lie on each other
@@ -72,7 +72,7 @@ class Corner:
         return self.at + distance * self.sectors[sector].middle
 
 
-def cut_corners(lines: Sequence[NDArray[np.float64]], normal: NDArray[np.float64]) -> list[Corner]:
+def cut_corners(lines: Sequence[NDArray[np.float64]], normal: NDArray[np.float64], apart: float = 0.0) -> list[Corner]:
     """Find the corners of the cuts of an operation.
 
     Parameters
@@ -81,6 +81,8 @@ def cut_corners(lines: Sequence[NDArray[np.float64]], normal: NDArray[np.float64
         The cuts at rest, sampled densely, in mm, each of shape (k, 3); a closed one repeats its first point.
     normal
         Unit normal of the skin, shape (3,).
+    apart
+        Of corners that are nearer to each other than this in mm, the sharpest is taken.
 
     Returns
     -------
@@ -97,8 +99,13 @@ def cut_corners(lines: Sequence[NDArray[np.float64]], normal: NDArray[np.float64
             else:
                 places.append(at)
                 ways.append(list(out))
-    named = zip(ascii_lowercase, places, ways, strict=False)
-    return [Corner(letter, at, _sectors(out, normal)) for letter, at, out in named]
+    sectors = [_sectors(out, normal) for out in ways]
+    kept: list[int] = []
+    for k in sorted(range(len(places)), key=lambda each: sectors[each][0].angle):
+        if all(np.linalg.norm(places[k] - places[other]) >= apart for other in kept):
+            kept.append(k)
+    named = zip(ascii_lowercase, sorted(kept), strict=False)
+    return [Corner(letter, places[k], sectors[k]) for letter, k in named]
 
 
 def _turns(line: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], list[NDArray[np.float64]]]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,9 @@ from lappet.plates.projection import Projection
 _BESIDE = 2.6  # mm on paper between a line and its measure
 _ARC = 4.2  # mm on paper: radius of an angle's arc
 _MOST = 3  # lengths, and as many angles
-_STRAIGHT_ANGLE = np.radians(178.0)
+_STRAIGHT_ANGLE = np.radians(150.0)  # what is wider is hardly seen as an angle
+_LEAST = 3.0  # mm: shorter legs are not measured
+_ROOM = (7.0, 3.0)  # mm on paper: two texts nearer than this in width and in height cover each other
 _STRAIGHT = 1.02  # a leg that is longer than its chord by less is straight
 
 
@@ -37,7 +40,10 @@ class Measure:
 
 
 def plan_measures(
-    lines: list[NDArray[np.float64]], corners: tuple[Corner, ...], projection: Projection
+    lines: Sequence[NDArray[np.float64]],
+    corners: Sequence[Corner],
+    projection: Projection,
+    letters: Sequence[NDArray[np.float64]] = (),
 ) -> list[Measure]:
     """Measure planned cuts; equal lengths and equal angles are written once.
 
@@ -49,6 +55,8 @@ def plan_measures(
         Their corners.
     projection
         How they come onto the paper.
+    letters
+        Where letters stand in mm on paper, each of shape (2,); a measure that would cover one is left out.
 
     Returns
     -------
@@ -57,7 +65,7 @@ def plan_measures(
     """
     paper = np.concatenate([projection.paper(line)[0] for line in lines]) if lines else np.zeros((0, 2))
     found: list[Measure] = []
-    taken = [projection.paper(corner.at[None])[0][0] for corner in corners]
+    taken = list(letters)
     said: set[str] = set()
     for line in lines:
         for leg in legs(line):
@@ -65,17 +73,22 @@ def plan_measures(
             text = f"{length:.0f} mm"
             if text in said or len(said) == _MOST or length > _STRAIGHT * float(np.linalg.norm(leg[-1] - leg[0])):
                 continue
-            said.add(text)
-            found.append(Measure(text, _beside(projection.paper(leg)[0], paper, taken), np.zeros((0, 2))))
-            taken.append(found[-1].at)
+            at = _beside(projection.paper(leg)[0], paper, taken)
+            if length >= _LEAST and not _covers(at, taken):
+                said.add(text)
+                found.append(Measure(text, at, np.zeros((0, 2))))
+                taken.append(at)
     angles: set[str] = set()
     for corner in corners:
         sector = corner.sectors[0]
         text = f"{np.degrees(sector.angle):.0f}°"
         if sector.angle > _STRAIGHT_ANGLE or text in angles or len(angles) == _MOST:
             continue
-        angles.add(text)
-        found.append(_angle(corner, text, projection))
+        measure = _angle(corner, text, projection)
+        if not _covers(measure.at, taken):
+            angles.add(text)
+            found.append(measure)
+            taken.append(measure.at)
     return found
 
 
@@ -91,6 +104,10 @@ def _beside(
     far = [float(np.linalg.norm(paper.mean(axis=0) - place)) for place in places]
     best = int(np.argmax([r + 0.05 * f for r, f in zip(room, far, strict=True)]))
     return places[best]
+
+
+def _covers(at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]]) -> bool:
+    return any(bool((np.abs(at - each) < np.asarray(_ROOM)).all()) for each in taken)
 
 
 def _angle(corner: Corner, text: str, projection: Projection) -> Measure:

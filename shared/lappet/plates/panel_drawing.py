@@ -27,9 +27,9 @@ _LETTER_INSET = 3.2  # mm on paper from a corner
 _LEAST_MOVE = 0.12  # of the panel's height: shorter ways have no arrow
 _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
-_LEAST_AREA = 6.0  # mm² on paper of an area that is labelled
-_BESIDE = 0.15  # of a panel may lie beside a cut-out of skin that is drawn as if it went on
-_LEAST_LENGTH = 4.0  # mm on paper of strokes that are labelled
+_LEAST_LETTERS = 2  # a letter alone tells nothing
+_LEAST_AREA = 6.0  # mm² on paper of an area that is named
+_LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
 AREA_LABELS = {
     AreaKind.BED: "label.bed",
@@ -93,11 +93,6 @@ class PanelDrawing:
     letters: tuple[Letter, ...]
     arrows: tuple[NDArray[np.float64], ...]
 
-    @property
-    def goes_on(self) -> bool:
-        """Whether the skin is meant to go on where its cut-out ends: little of the panel is beside it."""
-        return float((self.pixels.kind < 0).mean()) < _BESIDE
-
 
 def panel_drawing(
     scene: PlateScene,
@@ -133,7 +128,7 @@ def panel_drawing(
         The drawing.
     """
     projection = Projection(scene.view, size, half_angles(size)[0])
-    surface = drawn_surface(scene.source, scene.bed, time)
+    surface = drawn_surface(scene.source, scene.bed, scene.scenery, time)
     paper, depth = projection.paper(surface.points)
     screen = ScreenTriangles(paper, depth, surface.triangles, _CELL)
     lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale) if style.hatched else []
@@ -208,7 +203,7 @@ def _clipped(strokes: Sequence[Stroke], size: tuple[float, float]) -> list[Strok
 
 def _letters(scene: PlateScene, time: float, projection: Projection, screen: ScreenTriangles) -> list[Letter]:
     """The letters of the corners whose tissue is there and seen."""
-    if not scene.corners:
+    if len(scene.corners) < _LEAST_LETTERS:
         return []
     inset = _LETTER_INSET / projection.scale
     # On whole skin a letter stands where there is most room; later on the tissue that keeps the corner.
@@ -220,7 +215,8 @@ def _letters(scene: PlateScene, time: float, projection: Projection, screen: Scr
     known = np.isfinite(places).all(axis=1)
     paper, depth = projection.paper(np.where(known[:, None], places, 0.0))
     seen = known & (depth <= screen.nearest(paper)[1] + 0.5)
-    return [Letter(corner.letter, paper[k]) for k, corner in enumerate(scene.corners) if seen[k]]
+    letters = [Letter(corner.letter, paper[k]) for k, corner in enumerate(scene.corners) if seen[k]]
+    return letters if len(letters) >= _LEAST_LETTERS else []
 
 
 def _arrows(

@@ -8,15 +8,16 @@ from string import ascii_uppercase
 
 import numpy as np
 from numpy.typing import NDArray
+from shapely import LineString
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.drawing.skin_source import SkinSource
+from lappet.drawing.skin_read import SkinCache
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import AreaKind
 from lappet.plates.measures import Measure, plan_measures
-from lappet.plates.panel_drawing import PanelDrawing, label_sites, panel_drawing
+from lappet.plates.panel_drawing import AREA_LABELS, STROKE_LABELS, PanelDrawing, label_sites, panel_drawing
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_scene import PlateScene, plate_scene
 from lappet.plates.plate_steps import PlateStep, StepKind
@@ -32,6 +33,7 @@ LINE = 1.2  # times the size of a text
 GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
 _ASPECT = 0.75
+_KINDS = tuple(AreaKind)
 _BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
 
 
@@ -144,7 +146,7 @@ class PlateRequest:
 
 
 def plate_page(
-    source: SkinSource, request: PlateRequest, style: PlateStyle, words: PlateWords, font: PlateFont
+    source: SkinCache, request: PlateRequest, style: PlateStyle, words: PlateWords, font: PlateFont
 ) -> PlatePage:
     """Make a page.
 
@@ -173,28 +175,27 @@ def plate_page(
     """
     if not LEAST_WIDTH <= request.width <= WIDEST:
         raise refused(ProblemCode.PLATE_WIDTH, "", request.width, range=f"{LEAST_WIDTH:g} to {WIDEST:g}")
-    columns, width = _columns(request)
-    panel = (width, _ASPECT * width)
-    scene = plate_scene(source, [step.time for step in request.steps], request.view, panel)
     captions = [
         request.captions.get(k) or words(f"step.{step.kind}", time=f"{step.time:g}")
         for k, step in enumerate(request.steps)
     ]
+    font.check([*captions, *(words(key) for key in (*STROKE_LABELS.values(), *AREA_LABELS.values()))])
+    columns, width = _columns(request)
+    panel = (width, _ASPECT * width)
+    scene = plate_scene(source, [step.time for step in request.steps], request.view, panel)
     indent = font.width("M", CAPTION_SIZE) + 1.5
     lines = [tuple(font.wrapped(each, CAPTION_SIZE, width - indent)) for each in captions]
     rows = [max(len(each) for each in lines[k : k + columns]) for k in range(0, len(lines), columns)]
     heights = [panel[1] + 1.5 + LINE * CAPTION_SIZE * count + GUTTER for count in rows]
     tops = np.concatenate([[0.0], np.cumsum(heights)])
     panels = []
-    labelled: set[str] = set()
+    told: set[str] = set()
     for k in range(len(request.steps)):
         middle = np.array([(k % columns) * (width + GUTTER) + 0.5 * width, float(tops[k // columns]) + 0.5 * panel[1]])
-        panels.append(_panel(scene, request, style, words, font, k, panel, lines[k], middle, labelled))
+        panels.append(_panel(scene, request, style, words, font, k, panel, lines[k], middle, told))
     alt = words("alt.plate", count=len(panels))
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
-    page = PlatePage((request.width, float(tops[-1]) - GUTTER), panel, tuple(panels), scene, alt)
-    font.check(page.texts())
-    return page
+    return PlatePage((request.width, float(tops[-1]) - GUTTER), panel, tuple(panels), scene, alt)
 
 
 def _columns(request: PlateRequest) -> tuple[int, float]:
@@ -215,24 +216,25 @@ def _panel(
     size: tuple[float, float],
     caption: tuple[str, ...],
     middle: NDArray[np.float64],
-    labelled: set[str],
+    told: set[str],
 ) -> PagePanel:
-    """One panel. labelled: keys of labels that a panel before it has; what is new is added."""
+    """One panel. told: keys of labels that a panel before it has; what is new is added."""
     step = request.steps[index]
     later = _later(scene, request.steps, index) if request.arrows else ()
     held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
     drawing = panel_drawing(scene, step.time, size, style, later, request.letters, held)
     letter = ascii_uppercase[index % 26]
     sites = label_sites(drawing) if request.labels else {}
-    fresh = {key: site for key, site in sites.items() if key not in labelled}
-    labelled.update(fresh)
+    fresh = {key: site for key, site in sites.items() if key not in told}
+    told.update(fresh)
     named = [(words(key), site) for key, site in fresh.items()]
     widths = [font.width(text, LABEL_SIZE) for text, _ in named]
     labels = place_labels(named, widths, size, LINE * LABEL_SIZE, _taken(drawing), letter)
     planned = step.kind in (StepKind.PLAN, StepKind.PLAN_EXCISION)
     measures: list[Measure] = []
     if planned and request.measures:
-        measures = plan_measures(scene.source.planned_incisions(0.5), scene.corners, drawing.projection)
+        letters = [each.at for each in drawing.letters]
+        measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
     bar = max((each for each in _BARS if each * drawing.projection.scale <= 0.3 * size[0]), default=0.0)
     return PagePanel(letter, step, caption, middle, drawing, tuple(labels), tuple(measures), bar if index == 0 else 0.0)
 
@@ -249,9 +251,10 @@ def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[fl
 def _taken(drawing: PanelDrawing) -> NDArray[np.float64]:
     """Places that labels should leave free: wounds, marks, threads and letters."""
     kinds = drawing.pixels.kind[::6, ::6]
-    rows, columns = np.nonzero(kinds > tuple(AreaKind).index(AreaKind.SKIN))
+    rows, columns = np.nonzero((kinds > _KINDS.index(AreaKind.SKIN)) & (kinds < _KINDS.index(AreaKind.EYE)))
     found = [np.stack([drawing.pixels.x[::6][columns], drawing.pixels.y[::6][rows]], axis=1)]
     keep_off = (LineKind.PLAN, LineKind.THREAD, LineKind.WOUND_EDGE, LineKind.INSTRUMENT, LineKind.UNDERMINED)
-    found += [stroke.points for stroke in drawing.strokes if stroke.kind in keep_off]
+    own = [LineString(stroke.points).segmentize(1.0) for stroke in drawing.strokes if stroke.kind in keep_off]
+    found += [np.array(line.coords) for line in own]
     found += [letter.at[None] for letter in drawing.letters]
     return np.vstack(found)

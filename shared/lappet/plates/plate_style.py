@@ -86,6 +86,13 @@ _PENS = {
     LineKind.SKIN_LINE: Pen(0.18, "#8a8478"),
 }
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
+_EYES = {
+    AreaKind.EYE: "#f7f6f3",
+    AreaKind.IRIS: "#5b6b74",
+    AreaKind.PUPIL: "#15181a",
+    AreaKind.TEETH: "#f2eee2",
+    AreaKind.HOLLOW: "#5a3a36",
+}
 _FILLS = {
     AreaKind.SKIN: MONK[2],
     AreaKind.FLAP_UNDERSIDE: "#e7b04f",
@@ -93,6 +100,7 @@ _FILLS = {
     AreaKind.WALL_SKIN: "#e79a84",
     AreaKind.WALL_FAT: "#f0c95c",
     AreaKind.WALL_DEEP: "#a33b37",
+    **_EYES,
 }
 _GREY = {
     AreaKind.SKIN: "#ffffff",
@@ -101,6 +109,7 @@ _GREY = {
     AreaKind.WALL_SKIN: "#dadada",
     AreaKind.WALL_FAT: "#efefef",
     AreaKind.WALL_DEEP: "#a8a8a8",
+    **_EYES,
 }
 STYLES = {
     "ink": PlateStyle("ink", Shading.NONE, True, _BLACK, _GREY, _INK),

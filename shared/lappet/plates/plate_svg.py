@@ -116,7 +116,7 @@ def _round(values: Any) -> list[float]:
 
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
     if style.shading is Shading.FILLS:
-        if panel.drawing.goes_on:
+        if page.scene.goes_on:
             corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
         for area in panel.drawing.areas:
@@ -124,7 +124,7 @@ def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, 
     elif style.shading is Shading.WASH:
         from PIL import Image
 
-        picture = wash(panel.drawing, page.scene.light, style.fills, dpi)
+        picture = wash(panel.drawing, page.scene.light, style.fills, page.scene.goes_on, dpi)
         buffer = io.BytesIO()
         Image.fromarray(picture).save(buffer, "PNG")
         data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()

@@ -22,15 +22,23 @@ class ScreenTriangles:
         Vertex indices, counterclockwise as seen from outside, shape (m, 3).
     cell
         Side of a cell in mm.
+    behind
+        Whether to take those that face away from the camera instead.
     """
 
     def __init__(
-        self, paper: NDArray[np.float64], depth: NDArray[np.float64], triangles: NDArray[np.integer], cell: float
+        self,
+        paper: NDArray[np.float64],
+        depth: NDArray[np.float64],
+        triangles: NDArray[np.integer],
+        cell: float,
+        behind: bool = False,
     ) -> None:
         corners = paper[triangles]
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-        kept = area < -1e-12  # y runs downwards: what faces the camera; of a closed surface nothing else is nearest
+        # y runs downwards. Of a closed surface what faces the camera is nearest.
+        kept = area > 1e-12 if behind else area < -1e-12
         self.ids = np.flatnonzero(kept)
         self._origin, self._first, self._second = corners[kept, 0], first[kept], second[kept]
         self._area = area[kept]

@@ -16,7 +16,7 @@ _DEEP = 4.0  # mm below what is around it at which it has lost nearly all of tha
 
 
 def wash(
-    drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind, str], dpi: float
+    drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind, str], goes_on: bool, dpi: float
 ) -> NDArray[np.uint8]:
     """Shade a panel.
 
@@ -30,6 +30,8 @@ def wash(
         Unit vector towards the light, shape (3,).
     fills
         Color of each kind of area, #rrggbb.
+    goes_on
+        Whether skin is drawn where nothing is seen.
     dpi
         Pixels of the image per inch.
 
@@ -40,7 +42,7 @@ def wash(
     """
     pixels, surface = drawing.pixels, drawing.surface
     shape = pixels.kind.shape
-    seen = pixels.kind >= 0
+    seen = (pixels.kind >= 0) & (pixels.triangle >= 0)
     facing = np.einsum("mki,i->mk", surface.normals, light).mean(axis=1)
     shade = np.ones(shape)
     shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(facing[pixels.triangle[seen]], 0.0, 1.0)
@@ -55,7 +57,9 @@ def wash(
     color[seen] = palette[pixels.kind[seen]]
     level = np.median(shade[pixels.kind == 0]) if (pixels.kind == 0).any() else 1.0
     picture = color * np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)[..., None]
-    picture[~seen] = palette[0] if drawing.goes_on else 255.0
+    picture[~seen] = palette[0] if goes_on else 255.0
+    hollow = pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW)
+    picture[hollow] = palette[-1]
     factor = dpi / 25.4 * PIXEL
     picture = np.stack([zoom(picture[..., k], factor, order=1, mode="nearest") for k in range(3)], axis=-1)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
