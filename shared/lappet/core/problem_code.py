@@ -355,6 +355,7 @@ class ProblemCode(StrEnum):
     PLATE_PROFILE = auto()
     PLATE_CACHE = auto()
     PLATE_FOLDER = auto()
+    PLATE_NO_MAP = auto()
     DEMO_MISSING = auto()
     REPORT_FOLDER = auto()
     REPORT_NEEDS = auto()

@@ -102,6 +102,7 @@ def panel_drawing(
     later: Sequence[float] = (),
     letters: bool = True,
     instruments: bool = True,
+    mapped: str | None = None,
 ) -> PanelDrawing:
     """Draw a panel.
 
@@ -121,6 +122,8 @@ def panel_drawing(
         Whether corners have letters.
     instruments
         Whether hooks are drawn.
+    mapped
+        A quantity of the skin that is mapped, one of `lappet.drawing.skin_source.SCALARS`, or None.
 
     Returns
     -------
@@ -136,7 +139,8 @@ def panel_drawing(
     strokes = visible_strokes(rough, projection, screen)
     strands = [each for each in scene.strands(time) if instruments or each.kind is not LineKind.INSTRUMENT]
     strokes += visible_strokes(strands, projection, screen, smooth=False)
-    pixels = seen_pixels(surface, projection, screen, scene.source.layers)
+    quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
+    pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
     return PanelDrawing(
         projection,
         surface,

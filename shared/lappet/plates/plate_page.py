@@ -12,6 +12,7 @@ from shapely import LineString
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
 from lappet.plates.feature_lines import LineKind
@@ -87,6 +88,10 @@ class PlatePage:
         What they show.
     alt
         What the page shows, for those who cannot see it.
+    key
+        Texts of the color key: what is mapped and the top of its scale; empty for no map.
+    full
+        The value at the top.
     """
 
     size: tuple[float, float]
@@ -94,6 +99,8 @@ class PlatePage:
     panels: tuple[PagePanel, ...]
     scene: PlateScene
     alt: str
+    key: tuple[str, ...] = ()
+    full: float = 1.0
 
     def texts(self) -> list[str]:
         """List all texts on the page.
@@ -103,7 +110,7 @@ class PlatePage:
         list[str]
             The texts.
         """
-        found = []
+        found = list(self.key)
         for panel in self.panels:
             found += [panel.letter, *panel.caption, *(each.text for each in panel.labels)]
             found += [each.text for each in panel.measures] + [each.text for each in panel.drawing.letters]
@@ -131,6 +138,8 @@ class PlateRequest:
         Whether there are labels with leaders, letters at corners, arrows of movement, lengths and angles.
     instruments
         Whether hooks are drawn.
+    mapped
+        A quantity of the skin that is mapped in color, one of `lappet.drawing.skin_source.SCALARS`, or None.
     """
 
     steps: tuple[PlateStep, ...]
@@ -143,6 +152,7 @@ class PlateRequest:
     arrows: bool = True
     measures: bool = True
     instruments: bool = True
+    mapped: str | None = None
 
 
 def plate_page(
@@ -171,7 +181,8 @@ def plate_page(
     Raises
     ------
     RefusedError
-        If the width is out of range, a panel has too many labels, or the font lacks a character.
+        If the width is out of range, a panel has too many labels, the font lacks a character, or the cache lacks what
+        is to be mapped.
     """
     if not LEAST_WIDTH <= request.width <= WIDEST:
         raise refused(ProblemCode.PLATE_WIDTH, "", request.width, range=f"{LEAST_WIDTH:g} to {WIDEST:g}")
@@ -195,7 +206,21 @@ def plate_page(
         panels.append(_panel(scene, request, style, words, font, k, panel, lines[k], middle, told))
     alt = words("alt.plate", count=len(panels))
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
-    return PlatePage((request.width, float(tops[-1]) - GUTTER), panel, tuple(panels), scene, alt)
+    size = (request.width, float(tops[-1]) - GUTTER)
+    if request.mapped is None:
+        return PlatePage(size, panel, tuple(panels), scene, alt)
+    full, top = _full_scale(source, request)
+    return PlatePage(size, panel, tuple(panels), scene, alt, (words(f"map.{request.mapped}"), "0", top), full)
+
+
+def _full_scale(source: SkinCache, request: PlateRequest) -> tuple[float, str]:
+    """The value at the top of the scale of a map, and its text."""
+    assert request.mapped is not None
+    found = [source.scalar(source.epoch_at(step.time), request.mapped, step.time) for step in request.steps]
+    if all(each is None for each in found):
+        raise refused(ProblemCode.PLATE_NO_MAP, "", request.mapped)
+    full = full_value(max(frame_peak(each) for each in found if each is not None))
+    return full, f"≥ {full:g}{UNITS[request.mapped]}"
 
 
 def _columns(request: PlateRequest) -> tuple[int, float]:
@@ -222,7 +247,7 @@ def _panel(
     step = request.steps[index]
     later = _later(scene, request.steps, index) if request.arrows else ()
     held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
-    drawing = panel_drawing(scene, step.time, size, style, later, request.letters, held)
+    drawing = panel_drawing(scene, step.time, size, style, later, request.letters, held, request.mapped)
     letter = ascii_uppercase[index % 26]
     sites = label_sites(drawing) if request.labels else {}
     fresh = {key: site for key, site in sites.items() if key not in told}
