@@ -11,6 +11,8 @@ from lappet.procedure import Point
 from lappet.tissue.skin_sheet import SkinSheet
 
 STEP = 0.5  # mm: a line is walked in such steps
+REACHED = 0.05  # mm beside a point that a line should reach
+_WALKS = 30
 
 
 @dataclass(frozen=True)
@@ -71,8 +73,7 @@ class GeodesicDrape:
         NDArray[np.float64]
             Points on the skin in mm, shape (k, 3).
         """
-        offsets = plane - self.middle
-        offsets = offsets - np.outer(offsets @ self.normal, self.normal)
+        offsets = self._in_plane(plane - self.middle)
         far = np.linalg.norm(offsets, axis=1)
         here = np.tile(self.middle, (len(plane), 1))
         normal = np.tile(self.normal, (len(plane), 1))
@@ -94,6 +95,32 @@ class GeodesicDrape:
             walking[on] = left[on] > 1e-9
         self._note(here, left, far)
         return here
+
+    def unrolled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Find the places in the plane that are draped onto points of the skin.
+
+        Parameters
+        ----------
+        points
+            Points on the skin in mm, shape (k, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Vectors in the plane from the middle in mm, shape (k, 3): by Newton's method with the plane's own metric,
+            which ends after a fixed number of steps where a point cannot be reached.
+        """
+        worst, self._worst, flat = self._worst, None, self._in_plane(points - self.middle)
+        for _ in range(_WALKS):
+            off = self._in_plane(points - self(self.middle + flat))
+            if np.linalg.norm(off, axis=1).max() < REACHED:
+                break
+            flat = flat + off
+        self._worst = worst
+        return flat
+
+    def _in_plane(self, ways: NDArray[np.float64]) -> NDArray[np.float64]:
+        return ways - np.outer(ways @ self.normal, self.normal)
 
     def _note(self, here: NDArray[np.float64], left: NDArray[np.float64], far: NDArray[np.float64]) -> None:
         k = int(left.argmax())
