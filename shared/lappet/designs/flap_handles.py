@@ -31,6 +31,7 @@ _APART = 2.0  # mm between two handles, at least
 _NUDGE = 0.01  # of a measure's range, to see what it moves
 _STEPS, _ROUNDS = 12, 4  # values that are tried for a measure; each round between the neighbors of the best
 _DIGITS = 2  # of a measure that was dragged
+_ALIKE = 0.02  # mm beside the point, over the whole range of a measure
 _ALONG = 8  # points of a closed curve that can be a handle
 
 
@@ -177,15 +178,16 @@ class HandledFlap:
         (parameter,) = (each for each in self._row.parameters if each.name == measure)
         values, index = dict(self._laid.measures), self._corners[measure]
         low, high = parameter.least, parameter.most
-        best = values[measure]
+        now = best = values[measure]
         for _ in range(_ROUNDS):
-            tried = np.linspace(low, high, _STEPS + 1)
-            away = [self._away({**values, measure: float(value)}, index, flat) for value in tried]
+            tried = np.unique([*np.linspace(low, high, _STEPS + 1), best])
+            away = np.array([self._away({**values, measure: float(value)}, index, flat) for value in tried])
             if not np.isfinite(away).any():
-                return best
-            k = int(np.argmin(away))
+                return now
+            # Of values that do as well (a row of teeth changes by whole teeth) the one nearest to that of now.
+            k = int((away + _ALIKE * np.abs(tried - now) / (parameter.most - parameter.least)).argmin())
             best = float(tried[k])
-            low, high = float(tried[max(k - 1, 0)]), float(tried[min(k + 1, _STEPS)])
+            low, high = float(tried[max(k - 1, 0)]), float(tried[min(k + 1, len(tried) - 1)])
         return float(min(max(round(best, _DIGITS), parameter.least), parameter.most))
 
     def _away(self, values: Mapping[str, float], index: int, flat: NDArray[np.float64]) -> float:
