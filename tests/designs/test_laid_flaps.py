@@ -35,7 +35,9 @@ def wide() -> Procedure:
 
 
 def test_a_file_remembers_how_its_flaps_were_laid(limberg: Procedure, tmp_path: object) -> None:
-    two = add_flap(limberg, "z-plasty", (-30.0, 15.0, TOP), (0.0, 1.0, 0.0), {"limb": 12.0}, mirrored=True, lines="across")
+    two = add_flap(
+        limberg, "z-plasty", (-30.0, 15.0, TOP), (0.0, 1.0, 0.0), {"limb": 12.0}, mirrored=True, lines="across"
+    )
     write_procedure(two, f"{tmp_path}/two.usda")
     back = read_procedure(f"{tmp_path}/two.usda")
     assert back == two

@@ -79,12 +79,19 @@ def flap_on_skin(
     row = library_design(name)
     given = row.values(values or {})
     drape = GeodesicDrape(SkinSheet.of(tissue), at)
-    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, **given)
+    asked: list[NDArray[np.float64]] = []
+
+    def flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        asked.append(points)
+        return points
+
+    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=flat, **given)
     crossing = crossing_cuts(plane)
     if crossing is not None:
         on_skin = drape(np.array([crossing]))[0]
         where = "({:.1f}, {:.1f}, {:.1f}) mm".format(*on_skin)
         raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
+    drape.prepare(np.vstack(asked))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
     if drape.misfit is not None:
         lacking = drape.misfit
@@ -347,6 +354,22 @@ def landmark_place(procedure: Procedure, label: str) -> Point:
             return mark.points[0]
     known = ", ".join(mark.label for mark in marks) or "none"
     raise refused(ProblemCode.DESIGN_LANDMARK, TIMELINE, label, known=known)
+
+
+def has_lines(procedure: Procedure) -> bool:
+    """Tell whether a procedure has lines of the skin.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    bool
+        Whether it has skin lines, or its skin a direction of its fibers.
+    """
+    return bool(procedure.skin_lines) or procedure.material(procedure.tissue.material).has_direction
 
 
 def skin_line_direction(procedure: Procedure, at: ArrayLike, *, across: bool = False) -> NDArray[np.float64]:
