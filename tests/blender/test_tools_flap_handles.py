@@ -19,9 +19,10 @@ from lappet_blender.model.laid_flaps import active_flap, events_of
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.tools import flap_gizmos, skin_modal
 from lappet_blender.tools.flap_edit_tool import OPERATORS, _FlapEdit
+from lappet_blender.tools.plan_lines import LineSet, add_event_lines
 from lappet_blender.tools.preview import clear_preview, preview_of
+from lappet_blender.tools.shown_surface import shown_surface
 from refusals import refusal_code
-
 
 TOP = 4.0
 ops = bpy.ops.lappet
@@ -188,3 +189,18 @@ def test_a_click_on_a_handle_without_a_drag_changes_nothing(laid: bpy.types.Scen
     before = read_scene(laid).procedure
     assert dragged(laid, "side", (-20.0, 10.0)) == {"CANCELLED"}
     assert read_scene(laid).procedure == before
+
+
+def test_a_landmark_that_follows_an_edge_has_one_label_while_it_is_active_and_none_else(laid: bpy.types.Scene) -> None:
+    """A design measures its edges at dozens of points: their labels would hide the plan and the handles."""
+    surface = shown_surface(laid)
+    assert surface is not None
+    edge = laid.lappet.events["near_wound_edge"]
+    assert len(edge.points) > 4
+    for active, wanted in ((False, []), (True, ["near wound edge"])):
+        lines = LineSet()
+        add_event_lines(lines, surface, edge, 1.0, active)
+        assert [text for _, text, _ in lines.labels] == wanted
+    corner = LineSet()
+    add_event_lines(corner, surface, laid.lappet.events["tip_flap_corner"], 1.0, False)
+    assert [text for _, text, _ in corner.labels] == ["tip flap"]

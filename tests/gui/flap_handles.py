@@ -63,7 +63,9 @@ def scenario(blender: Driver) -> Steps:
     )
     yield from blender.screenshot("longer")
     name = bpy.context.window_manager.operators[-1].bl_idname
-    blender.expect(name == "LAPPET_OT_flap_edit_limberg", f"the panel of the last operation is that of the edit: {name}")
+    blender.expect(
+        name == "LAPPET_OT_flap_edit_limberg", f"the panel of the last operation is that of the edit: {name}"
+    )
     turn = handle(blender, "turn")
     yield from blender.move(turn)
     yield 0.3
@@ -73,7 +75,9 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.screenshot("turned")
     yield from blender.key("Z", ctrl=True)
     yield from blender.wait_until(
-        lambda: abs(flap().direction[1]) < 0.2 and measure() > 1.15 * before, 5.0, "one step of undo takes the turn back"
+        lambda: abs(flap().direction[1]) < 0.2 and measure() > 1.15 * before,
+        5.0,
+        "one step of undo takes the turn back",
     )
     yield from blender.key("Z", ctrl=True)
     yield from blender.wait_until(lambda: measure() == before, 5.0, "another takes the longer side back")

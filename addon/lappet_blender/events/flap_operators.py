@@ -26,6 +26,7 @@ from ..model.laid_flaps import active_flap, keep_flap
 from ..model.units import to_mm
 from .add_events import add_events
 from .event_check import tissue_of
+from .flap_mark import marked_outline_of
 from .flap_relay import remove_flap, scene_procedure
 from .flap_thumbnails import thumbnail
 from .operator_values import given
@@ -47,6 +48,8 @@ class _FlapAdd(OperatorBase):
     at: Any
     lines: str
     fit: bool
+    selection: bool
+    region: str
     turned: float
     mirrored: bool
 
@@ -55,7 +58,7 @@ class _FlapAdd(OperatorBase):
         tissue = tissue_of(scene)
         procedure = scene_procedure(scene)
         outline = _active_name(scene) if self.fit else ""
-        drawn = marked_defect(procedure, outline) if self.fit else None
+        drawn = marked_defect(procedure, outline) if self.fit else marked_outline_of(scene, self.selection, self.region)
         at = to_mm(scene, scene.cursor.location) if drawn is None else drawn.mean(axis=0)
         on_skin, normals = SkinSheet.of(tissue).at(self.at if self.properties.is_property_set("at") else at)
         place = on_skin[0]
@@ -84,7 +87,7 @@ class _FlapAdd(OperatorBase):
             scene.frame_end = last
             raise
         keep_flap(scene, replace(flap.flaps[-1], events=names))
-        if drawn is not None:
+        if self.fit:
             _take_away(scene, procedure, without_drawn(procedure, outline))
         for found in narrow_flaps(flap, set()):
             self.report({"WARNING"}, problem_sentence(found))
@@ -160,6 +163,13 @@ def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
         "fit": BoolProperty(
             name="Fit to Active Outline",
             description="Lie where the closed incision or landmark is that is active in the timeline, as large as that",
+        ),
+        "selection": BoolProperty(
+            name="Fit to Selection", description="Lie where the selected faces of the tissue are, as large as these"
+        ),
+        "region": StringProperty(
+            name="Fit to Region",
+            description="Lie where a vertex group, a face group or a face attribute of the tissue is, as large as it",
         ),
         "mirrored": BoolProperty(name="Mirrored", description="Mirrored about its direction"),
         "time": FloatProperty(name="Frame", description="Before the first cut; if not given, the current frame"),

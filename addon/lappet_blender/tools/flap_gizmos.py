@@ -103,7 +103,7 @@ class LAPPET_GGT_flap(bpy.types.GizmoGroup):
             gizmo.draw_style = "RING_2D"
             gizmo.draw_options = {"ALIGN_VIEW", "FILL"}
             gizmo.color_highlight, gizmo.alpha, gizmo.alpha_highlight = _BRIGHT, 0.85, 1.0
-            gizmo.scale_basis = 0.07
+            gizmo.scale_basis = 0.09
             gizmo.hide = True
 
     def draw_prepare(self, context: bpy.types.Context) -> None:

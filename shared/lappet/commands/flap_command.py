@@ -145,7 +145,11 @@ def show_design(
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure with the operation (.usda or .usdc).")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Where it lies on the skin, in mm.")
 @click.option("--landmark", help="Where it lies: the label of a landmark.")
-@click.option("--defect", help="What it closes: a closed incision or an outline of landmarks; sets place and lengths.")
+@click.option(
+    "--defect",
+    help="What it closes: a closed incision, an outline of landmarks, or region:SUBSET of the tissue's faces; sets "
+    "place and lengths.",
+)
 @click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its direction along the skin.")
 @click.option("--lines", type=click.Choice(["along", "across"]), help="Its direction, by the lines of the skin.")
 @click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the design; may be repeated.")

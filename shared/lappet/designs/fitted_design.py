@@ -15,6 +15,7 @@ from lappet.designs.design_axes import skin_axes
 from lappet.designs.geodesic_drape import REACHED, GeodesicDrape
 from lappet.designs.library import library_design
 from lappet.designs.library_design import LibraryDesign
+from lappet.designs.marked_faces import REGION, subset_outline
 from lappet.procedure import Event, Excision, Incision, Landmark, Point, Procedure, Tissue
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.tissue.skin_sheet import SkinSheet
@@ -208,7 +209,8 @@ def marked_defect(procedure: Procedure, name: str) -> NDArray[np.float64]:
     procedure
         The procedure.
     name
-        Name of a closed incision, or name or label of a landmark of three points or more.
+        Name of a closed incision, or name or label of a landmark of three points or more; "region:" and a name for a
+        face subset of the tissue.
 
     Returns
     -------
@@ -218,8 +220,10 @@ def marked_defect(procedure: Procedure, name: str) -> NDArray[np.float64]:
     Raises
     ------
     RefusedError
-        If the procedure has none of that name.
+        If the procedure has none of that name, or as `lappet.designs.marked_faces.subset_outline`.
     """
+    if name.startswith(REGION):
+        return subset_outline(procedure.tissue, name.removeprefix(REGION))
     drawn = {label: event for event in procedure.events if _is_outline(event) for label in _labels(event)}
     if name not in drawn:
         known = ", ".join(sorted({event.name for event in drawn.values()})) or "none"

@@ -100,7 +100,7 @@ class HandledFlap:
         names = [PLACE, TURN, *self._corners]
         far = np.array([max(0.0, float(flat[:, 0].max())) + _BEYOND, 0.0])
         places = [np.zeros(2), far, *(flat[k] for k in self._corners.values())]
-        on_skin = self._drape((self._drape.middle + np.array(places) @ self._axes))
+        on_skin = self._drape(self._drape.middle + np.array(places) @ self._axes)
         says = [self._row.title, "Direction", *(_says(known[name], values[name]) for name in self._corners)]
         return tuple(
             FlapHandle(name, (float(x), float(y), float(z)), said)
