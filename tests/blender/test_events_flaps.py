@@ -221,3 +221,12 @@ def test_a_mark_that_is_none_or_in_pieces_is_refused_and_nothing_changes(patch: 
     assert refusal_code(lambda: ops.flap_limberg(selection=True)) == ProblemCode.DESIGN_DEFECT_UNMARKED
     assert refusal_code(lambda: ops.flap_limberg(region="lesion")) == ProblemCode.DESIGN_REGION_UNKNOWN
     assert len(patch.lappet.events) == 0
+
+
+def test_a_cursor_that_is_not_on_the_skin_is_refused(patch: bpy.types.Scene) -> None:
+    patch.cursor.location = (0.0, 0.0, 60.0)
+    assert refusal_code(lambda: ops.flap_limberg(side=10.0, lines="X", time=1)) == ProblemCode.DESIGN_PLACE_OFF
+    assert refusal_code(lambda: ops.flap_s_excision(at=(0, 0, TOP), length=15.4, width=10.0, swing=22.5, time=1)) == (
+        ProblemCode.DESIGN_CROSSES
+    )
+    assert len(patch.lappet.events) == 0

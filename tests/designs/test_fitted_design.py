@@ -9,8 +9,8 @@ import pytest
 
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.fitted_design import fit_to_defect, marked_defect, without_drawn
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import DESIGNS
-from lappet.designs.library_operation import flap_on_skin
 from lappet.procedure import Excision, Incision, Landmark, Material, Procedure
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch

@@ -13,6 +13,7 @@ from lappet.checks.narrow_flaps import narrow_flaps
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.fitted_design import fit_to_defect, marked_defect, without_drawn
+from lappet.designs.laid_design import require_on_skin
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.designs.library_operation import add_flap, has_lines, skin_line_direction
@@ -60,8 +61,11 @@ class _FlapAdd(OperatorBase):
         outline = _active_name(scene) if self.fit else ""
         drawn = marked_defect(procedure, outline) if self.fit else marked_outline_of(scene, self.selection, self.region)
         at = to_mm(scene, scene.cursor.location) if drawn is None else drawn.mean(axis=0)
-        on_skin, normals = SkinSheet.of(tissue).at(self.at if self.properties.is_property_set("at") else at)
+        at = np.array(self.at) if self.properties.is_property_set("at") else at
+        on_skin, normals = SkinSheet.of(tissue).at(at)
         place = on_skin[0]
+        if drawn is None:
+            require_on_skin(self.design.name, at, place)
         direction = turned_about(self._direction(procedure, place), normals[0], self.turned)
         measures = {each.name: float(getattr(self, each.name)) for each in self.design.parameters}
         if drawn is not None:

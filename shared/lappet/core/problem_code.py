@@ -332,6 +332,8 @@ class ProblemCode(StrEnum):
     DESIGN_PARAMETER = auto()
     DESIGN_RANGE = auto()
     DESIGN_OFF_SKIN = auto()
+    DESIGN_PLACE_OFF = auto()
+    DESIGN_ACROSS_HOLE = auto()
     DESIGN_CROSSES = auto()
     DESIGN_LANDMARK = auto()
     DESIGN_NO_LINES = auto()

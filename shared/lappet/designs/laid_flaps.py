@@ -128,7 +128,7 @@ def relay(procedure: Procedure, changed: LaidFlap) -> Procedure:
     Raises
     ------
     RefusedError
-        If the procedure has no such flap, or as `lappet.designs.library_operation.flap_on_skin`.
+        If the procedure has no such flap, or as `lappet.designs.laid_design.flap_on_skin`.
     """
     before = laid_flap(procedure, changed.name)
     gone = set(before.events)
@@ -164,7 +164,7 @@ def fresh_events(tissue: Tissue, laid: LaidFlap) -> tuple[tuple[Event, ...], flo
     Raises
     ------
     RefusedError
-        As `lappet.designs.library_operation.flap_on_skin`.
+        As `lappet.designs.laid_design.flap_on_skin`.
     """
     events, end = flap_events(tissue, laid)
     if laid.events and all(name.startswith(f"{laid.name}_") for name in laid.events):

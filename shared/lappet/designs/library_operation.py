@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import Place, refused
+from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.crossing_cuts import crossing_cuts
 from lappet.designs.event_names import free_name, named_apart
 from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import length
-from lappet.designs.geodesic_drape import GeodesicDrape
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import library_design
 from lappet.designs.technique import Row, Schedule, Technique
 from lappet.designs.transposition import flap_operation
@@ -37,73 +35,6 @@ MARGIN = 24.0  # mm of skin around a design on a patch of its own
 THICKNESS = 4.0  # mm, of such a patch
 SPACING = 4.0 / 3.0  # mm, of its lattice: three cells through the skin
 _UNMEASURED = 4.0  # mm: thickness of a tissue without a bed
-
-
-def flap_on_skin(
-    tissue: Tissue,
-    name: str,
-    at: ArrayLike,
-    direction: ArrayLike,
-    values: Mapping[str, float] | None = None,
-    *,
-    mirrored: bool = False,
-) -> FlapDesign:
-    """Lay a design of the library on a skin, by geodesics from a point of it.
-
-    Parameters
-    ----------
-    tissue
-        The tissue.
-    name
-        Name of the design.
-    at
-        Where it lies in mm, shape (3,); `LibraryDesign.center` says what of it.
-    direction
-        Its direction along the skin, shape (3,).
-    values
-        Values of its parameters that are not the default.
-    mirrored
-        Whether it is mirrored.
-
-    Returns
-    -------
-    FlapDesign
-        The design on the skin.
-
-    Raises
-    ------
-    RefusedError
-        If the library has no such design or the design no such parameter, a value is out of range, the design is larger
-        than the skin there, or its cuts cross.
-    """
-    row = library_design(name)
-    given = row.values(values or {})
-    drape = GeodesicDrape(SkinSheet.of(tissue), at)
-    asked: list[NDArray[np.float64]] = []
-
-    def flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
-        asked.append(points)
-        return points
-
-    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=flat, **given)
-    crossing = crossing_cuts(plane)
-    if crossing is not None:
-        on_skin = drape(np.array([crossing]))[0]
-        where = "({:.1f}, {:.1f}, {:.1f}) mm".format(*on_skin)
-        raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
-    drape.prepare(np.vstack(asked))
-    design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
-    if drape.misfit is not None:
-        lacking = drape.misfit
-        raise refused(
-            ProblemCode.DESIGN_OFF_SKIN,
-            name,
-            f"{lacking.missing:.1f}",
-            place=Place.at(lacking.point),
-            at="({:.1f}, {:.1f}, {:.1f})".format(*lacking.point),
-            share=f"{math.floor(100.0 * lacking.share)} %",
-        )
-    return design
 
 
 def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique:

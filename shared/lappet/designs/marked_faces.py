@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.connected_labels import connected_labels
 from lappet.procedure import Tissue
 from lappet.procedure.prim_paths import TISSUE
 from lappet.tissue.surface import skin_faces
@@ -86,21 +87,7 @@ def marked_outline(
     following[starts + sizes - 1] = starts
     edges = np.sort(np.stack([corners, corners[following]], axis=1)[marked[face]], axis=1)
     unique, uses = np.unique(edges, axis=0, return_counts=True)
-    pieces = _pieces(len(places), unique)
+    pieces = len(np.unique(connected_labels(len(places), unique)[unique]))
     if pieces > 1:
         raise refused(ProblemCode.DESIGN_DEFECT_PIECES, what, pieces)
     return places[np.unique(unique[uses == 1])]
-
-
-def _pieces(count: int, edges: NDArray[np.int64]) -> int:
-    """How many connected pieces edges (k, 2) between points make: the least label spreads until nothing changes."""
-    label = np.arange(count)
-    while True:
-        least = np.minimum(label[edges[:, 0]], label[edges[:, 1]])
-        fresh = label.copy()
-        for side in (0, 1):
-            np.minimum.at(fresh, edges[:, side], least)
-        fresh = fresh[fresh]
-        if np.array_equal(fresh, label):
-            return len(np.unique(label[edges]))
-        label = fresh
