@@ -46,7 +46,7 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     laxity = checked("laxity", choice.laxity, 0.0, 1.0)
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
     shape = choice.shape or usual_shape(model)
-    around = body_surface(shape, model.surround, model.subdivision)
+    around = body_surface(shape, model.surround, model.subdivision, model.cleft)
     skin = around.inside(model.region)
     tissue = model_sheet(skin, around, thickness + model.fat.mm, spacing, model.name)
     if model.face:  # the skin's triangles are the tissue's first

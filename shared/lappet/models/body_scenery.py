@@ -38,7 +38,8 @@ def body_scenery(shape: BodyShape, model: Model) -> tuple[Scenery, ...]:
     RefusedError
         If the shape is refused, or the package is not there.
     """
-    rest = body_surface(shape, model.surround, model.subdivision).within(model.surround).outside(model.region)
+    around = body_surface(shape, model.surround, model.subdivision, model.cleft)
+    rest = around.within(model.surround).outside(model.region)
     found = [_scenery("skin_around", rest.points, rest.triangles, "skin")]
     mesh, neutral, points = body_mesh(), shaped(NEUTRAL), shaped(shape)
     low, high = (np.array(corner) for corner in model.surround)

@@ -16,12 +16,14 @@ from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.connected_parts import parts_of
 from lappet.models.body_mesh import BODY, body_mesh
 from lappet.models.body_shape import NEUTRAL, BodyShape, shaped
+from lappet.models.cleft import Cleft, body_scale
 from lappet.models.openings import without_openings
 from lappet.models.region import Ellipsoid
 from lappet.procedure import Point
 from lappet.tissue.crop_mesh import box_levels, crop
 from lappet.tissue.mesh_file import Mesh
 
+_MOUTH = ((-21.0, 138.0, 667.6), (21.0, 138.0, 667.6))  # its corners, mm
 _MARGIN = 25.0  # mm around what is asked for, so that its border is as smooth as the rest
 
 
@@ -120,7 +122,9 @@ class BodySurface:
         return _compact(cut.points, cut.triangles)
 
 
-def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -> BodySurface:
+def body_surface(
+    shape: BodyShape, box: tuple[Point, Point], subdivision: int, cleft: Cleft | None = None
+) -> BodySurface:
     """Make the skin of a body in a box.
 
     Parameters
@@ -131,6 +135,8 @@ def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -
         Lowest and highest corner on the neutral body in mm; faces reach a margin beyond.
     subdivision
         How often the faces of the base mesh are divided.
+    cleft
+        The cleft of its lip; None for none.
 
     Returns
     -------
@@ -156,6 +162,12 @@ def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -
         corners[:, 1] - corners[:, 3], axis=1
     )
     split = np.where(first[:, None], quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]])
+    if cleft is not None:
+        neutral = values[:, :3]
+        values[:, 3:] += body_scale(values[:, 3:], neutral, _MOUTH) * cleft.moved(neutral)
+        if cleft.taken_out is not None:
+            cut = crop(Mesh(values, split.reshape(-1, 3)), [cleft.taken_out])
+            return _compact(cut.points, cut.triangles)
     return BodySurface(values[:, :3], values[:, 3:], split.reshape(-1, 3))
 
 
