@@ -83,7 +83,7 @@ _HEAD_MODELS = (
             "face",
             "loose",
             0.8,
-            2,
+            1,
             ("lips", "chin", "cheeks", "nose"),
             Trial((22.0, 141.0, 655.0), (-0.25, 0.0, 1.0), 12.0),
             _HEAD,
