@@ -39,6 +39,7 @@ CONTENTS = (
             "docs/literature.md",
             "docs/problem*.md",
             "docs/reports.md",
+            "docs/plates.md",
             "docs/performance.md",
         ),
     ),

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.skin_source import SkinSource
+
 from ..look.quantity_scale import UNITS, frame_peak, full_value, ramp_linear
-from ..look.skin_source import SkinSource
 from .caption import draw_text, load_picture, save_picture, text_width
 
 INK = (0.2, 0.19, 0.19)

@@ -12,10 +12,10 @@ import bpy
 
 from lappet.anatomy.tissue_kind import KIND_COLORS, KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
+from lappet.drawing.skin_source import SCALARS
 from lappet.procedure.vessel import VESSEL_COLORS
 
 from .layer_image import ROW, depth_reach, layer_image
-from .skin_source import SCALARS
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)

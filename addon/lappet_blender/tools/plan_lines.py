@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.dashed_line import dashes
 from lappet.procedure.vessel import VESSEL_COLORS
 
 from ..events.run_preview import stitches_of
-from ..look.dashed_line import dashes
 from ..model.event_properties import LappetEvent
 from ..model.mesh_values import GROUP
 from ..model.suture_run_values import run_corners, run_insides
