@@ -24,6 +24,7 @@ lappet flap add limberg -o flap.usda                 # on a flat patch of its ow
 lappet flap add bilobed face.usda -o flap.usda --at 2 -10 -14 --direction 0 0 1 --set diameter=8
 lappet flap add fusiform face.usda -o flap.usda --landmark lesion --lines along
 lappet flap add limberg face.usda -o flap.usda --defect lesion --lines across  # as large as what is drawn
+lappet flap edit limberg flap.usda -o flap.usda --set side=14 --mirrored       # laid anew, the rest as it was
 ```
 
 `add` writes the whole operation: cuts, excision, undermining, hooks that carry the flap, three rows of sutures (deep,
@@ -31,8 +32,12 @@ dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add >
 the timeline's panel. A design is laid on
 curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
 skin, it is refused with the place and the share that fits. With `--defect`, the name of a closed incision or of a
-landmark of three points or more, the design lies where that is, as the smallest of its shape whose excision holds it,
-and its own excision takes the drawn one's place. In Python:
+landmark of three points or more, or *region:* and the name of a face subset of the tissue, the design lies where that
+is, as the smallest of its shape whose excision holds it, and its own excision takes the drawn one's place.
+
+The procedure remembers how its flaps were laid (a prim with `LappetFlapAPI` for each; `lappet inspect` lists them), so
+`lappet flap edit` and the handles in Blender can move, turn and change one later. Its events are then laid anew: what
+was changed on them by hand is lost, and named. In Python:
 
 ```python
 from lappet.designs import DESIGNS, fit_to_defect, flap_on_patch
@@ -42,6 +47,13 @@ procedure = flap_on_patch("bilobed", {"diameter": 10.0})
 print(procedure)
 fitted = fit_to_defect(procedure.tissue, "limberg", [(0, 0, 4), (9, 0, 4), (9, 6, 4), (0, 6, 4)], (1, 0, 0))
 print(fitted.at, fitted.values)
+```
+
+```python
+from lappet.designs import changed_flap, flap_on_patch, relay
+
+procedure = flap_on_patch("limberg")
+print(relay(procedure, changed_flap(procedure, procedure.flaps[0], measures={"side": 14.0})).flaps)
 ```
 
 Drawings and steps follow the sources given. The numbers are the program's own for its default skin, with their
