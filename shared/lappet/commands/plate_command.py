@@ -50,7 +50,7 @@ class PanelCaption(click.ParamType):
 
 
 @click.command()
-@click.argument("cache", type=FILE)
+@click.argument("caches", type=FILE, nargs=-1, required=True)
 @click.option(
     "-o", "--output", "picture", type=FILE, required=True, help="The plate (.svg, .pdf, .png, .tif or .tiff)."
 )
@@ -80,7 +80,7 @@ class PanelCaption(click.ParamType):
 def plate(
     context: click.Context,
     /,
-    cache: Path,
+    caches: tuple[Path, ...],
     picture: Path,
     style: str,
     tone: int | None,
@@ -95,12 +95,12 @@ def plate(
     limits: ReadLimits,
     **shown: Any,
 ) -> None:
-    """Draw a plate of a solved procedure: its steps as line drawings with captions, labels, arrows and measures."""
+    """Draw a plate: the steps of a solved procedure with captions, labels and measures, or several side by side."""
     with sentences(context):
         from lappet.plates.draw_plate import PlateOptions, draw_plate
 
         options = PlateOptions(
             style, tone, frames, dict(captions), language, own, font, dpi, profile, transparent, shown
         )
-        draw_plate(cache, [picture], options, limits)
+        draw_plate(caches, [picture], options, limits)
         click.echo(picture)

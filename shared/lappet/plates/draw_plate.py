@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
-from lappet.plates.plate_cache import chosen_steps, open_cache
+from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache
 from lappet.plates.plate_files import check_format, write_plate
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import PlateRequest, plate_page
+from lappet.plates.plate_page import plate_page
+from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import plate_words
@@ -61,7 +62,7 @@ class PlateOptions:
 
 
 def draw_plate(
-    cache: Path,
+    caches: Sequence[Path],
     pictures: Sequence[Path],
     options: PlateOptions = PlateOptions(),
     limits: ReadLimits = DEFAULT_LIMITS,
@@ -70,8 +71,8 @@ def draw_plate(
 
     Parameters
     ----------
-    cache
-        The skin cache.
+    caches
+        The skin caches: of one its steps, of several what is planned and what comes of it, at one scale.
     pictures
         The files to write; their suffixes say what each becomes.
     options
@@ -95,10 +96,17 @@ def draw_plate(
         check_format(picture, options.profile)
     words, font = plate_words(options.language, options.own), PlateFont(options.font)
     style = plate_style(options.style, options.tone)
-    source = open_cache(cache, limits)
-    request = PlateRequest(chosen_steps(source, options.frames), options.captions, **options.shown)
-    page = plate_page(source, request, style, words, font)
+    rows = tuple(_row(cache, len(caches) > 1, options, limits) for cache in caches)
+    page = plate_page(PlateRequest(rows, options.captions, **options.shown), style, words, font)
     svg = plate_svg(page, style, font, options.dpi, not options.transparent)
     for picture in pictures:
         write_plate(svg, page.size, page.alt, font, picture, options.dpi, options.profile, options.transparent)
     return list(pictures)
+
+
+def _row(cache: Path, compared: bool, options: PlateOptions, limits: ReadLimits) -> PlateRow:
+    source = open_cache(cache, limits)
+    if not compared:
+        return PlateRow(source, chosen_steps(source, options.frames))
+    steps = compared_steps(source) if options.frames is None else chosen_steps(source, options.frames)
+    return PlateRow(source, steps, cache.name.split(".")[0].replace("_", " "))

@@ -18,13 +18,15 @@ from lappet.drawing.quantity_scale import ramp_display
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import Area, AreaKind
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import CAPTION_SIZE, LABEL_SIZE, LETTER_SIZE, LINE, PagePanel, PlatePage
+from lappet.plates.plate_page import CAPTION_SIZE, PlatePage
+from lappet.plates.plate_panel import LABEL_SIZE, LINE, PagePanel
 from lappet.plates.plate_style import POINT, PlateStyle, Shading
 from lappet.plates.wash import wash
 
 _INK = "#111111"
 _HALO = "#ffffff"
 _FINE = 0.5 * POINT  # the least width of a line in print
+_LETTER_SIZE = 8.5 * POINT
 _SITE = 0.35  # mm: radius of the dot at which a leader ends
 _HEAD = 2.2  # mm: length of an arrow's head
 _DIGITS = 3
@@ -117,7 +119,7 @@ def _round(values: Any) -> list[float]:
 
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
     if style.shading is Shading.FILLS and not page.key:
-        if page.scene.goes_on:
+        if panel.scene.goes_on:
             corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
         for area in panel.drawing.areas:
@@ -125,7 +127,7 @@ def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, 
     if style.shading is Shading.WASH or page.key:
         from PIL import Image
 
-        picture = wash(panel.drawing, page.scene.light, style.fills, page.scene.goes_on, dpi, page.full)
+        picture = wash(panel.drawing, panel.scene.light, style.fills, panel.scene.goes_on, dpi, page.full)
         buffer = io.BytesIO()
         Image.fromarray(picture).save(buffer, "PNG")
         data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
@@ -183,7 +185,7 @@ def _annotate(
             groups["measures"].append(_line(measure.arc, _FINE, _INK))
         groups["measures"].append(_text(measure.text, measure.at, LABEL_SIZE, font, "middle"))
     for letter in panel.drawing.letters:
-        groups["letters"].append(_text(letter.text, letter.at, LETTER_SIZE, font, "middle", style="italic"))
+        groups["letters"].append(_text(letter.text, letter.at, _LETTER_SIZE, font, "middle", style="italic"))
     for label in panel.labels:
         groups["labels"].append(_line(np.stack([label.port, label.site]), 1.6 * _FINE + 0.25, _HALO))
         groups["labels"].append(_line(np.stack([label.port, label.site]), _FINE, _INK))

@@ -69,7 +69,7 @@ def wash(
         color[known] = 255.0 * ramp_display(np.abs(mapped[known]) / full)
     level = np.median(shade[pixels.kind == 0]) if (pixels.kind == 0).any() else 1.0
     picture = color * np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)[..., None]
-    picture[~seen] = palette[0] if goes_on else 255.0
+    picture[~seen] = palette[0] if goes_on and mapped is None else 255.0
     hollow = pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW)
     picture[hollow] = palette[-1]
     factor = dpi / 25.4 * PIXEL
