@@ -61,6 +61,13 @@ def test_a_frame_that_is_not_in_the_cache_is_refused(cache: SkinCache) -> None:
     assert problems[0].value == "9999.0"
 
 
+def test_a_landmark_that_is_not_there_is_refused_with_those_that_are(cache: SkinCache, font: PlateFont) -> None:
+    request = PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}, landmarks=("nose",))
+    with refuses(ProblemCode.PLATE_LANDMARK) as problems:
+        plate_page(request, plate_style("ink"), plate_words("en"), font)
+    assert "left apex" in problems[0].remedy
+
+
 def test_a_file_that_is_no_cache_is_refused(cache_file: Path) -> None:
     with refuses(ProblemCode.PLATE_CACHE):
         open_cache(cache_file.with_name("procedure.usda"))

@@ -138,5 +138,17 @@ def test_a_map_has_a_key_whose_top_is_what_the_skin_reaches(cache: SkinCache, fo
     assert set(page.key) <= {"".join(each.itertext()) for each in ET.fromstring(svg_of(page, font)).iter(f"{SVG}text")}
 
 
+def test_a_landmark_is_named_where_the_solve_has_carried_it(cache: SkinCache, font: PlateFont) -> None:
+    label = "left apex"
+    rows = (PlateRow(cache, chosen_steps(cache, (cache.frames[0], cache.frames[-1]))),)
+    request = PlateRequest(rows, {}, labels=False, landmarks=(label,))
+    page = plate_page(request, plate_style("schematic"), plate_words("en"), font)
+    for panel in page.panels:
+        (found,) = panel.labels
+        place = cache.named_landmarks(panel.step.time)[label]
+        assert found.text == label
+        assert found.site == pytest.approx(panel.drawing.projection.paper(place[None])[0][0])
+
+
 def svg_of(page: PlatePage, font: PlateFont) -> str:
     return plate_svg(page, plate_style("ink"), font, 72)

@@ -70,6 +70,9 @@ class PanelCaption(click.ParamType):
 @click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process, for a TIFF in CMYK.")
 @click.option("--transparent", is_flag=True, help="Leave the paper out.")
 @click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
+@click.option(
+    "--landmark", "landmarks", multiple=True, metavar="LABEL", help="A landmark that is named where it is seen."
+)
 @click.option("--labels/--no-labels", default=True, show_default=True, help="Names with leaders.")
 @click.option("--letters/--no-letters", default=True, show_default=True, help="Letters at the corners of cuts.")
 @click.option("--arrows/--no-arrows", default=True, show_default=True, help="Ways of the flaps.")

@@ -364,6 +364,7 @@ class ProblemCode(StrEnum):
     PLATE_CACHE = auto()
     PLATE_FOLDER = auto()
     PLATE_NO_MAP = auto()
+    PLATE_LANDMARK = auto()
     DEMO_MISSING = auto()
     REPORT_FOLDER = auto()
     REPORT_NEEDS = auto()

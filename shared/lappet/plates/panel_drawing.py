@@ -93,6 +93,23 @@ class PanelDrawing:
     letters: tuple[Letter, ...]
     arrows: tuple[NDArray[np.float64], ...]
 
+    def depth_at(self, place: NDArray[np.float64]) -> float:
+        """Look up the depth of what is seen at a place.
+
+        Parameters
+        ----------
+        place
+            A place in mm on paper, shape (2,).
+
+        Returns
+        -------
+        float
+            The depth of the nearest pixel in mm; infinite where there is nothing.
+        """
+        column = int(np.argmin(np.abs(self.pixels.x - place[0])))
+        row = int(np.argmin(np.abs(self.pixels.y - place[1])))
+        return float(self.pixels.depth[row, column])
+
 
 def panel_drawing(
     scene: PlateScene,

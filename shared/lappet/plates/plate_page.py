@@ -92,7 +92,8 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     Raises
     ------
     RefusedError
-        If the width is out of range, there are too many panels, a panel has too many labels, the font lacks a
+        If the width is out of range, there are too many panels, a panel has too many labels, a landmark is not
+        there, the font lacks a
         character, or a cache lacks what is to be mapped.
     """
     if not LEAST_WIDTH <= request.width <= WIDEST:
@@ -100,7 +101,10 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     if len(request.panels) > MOST_PANELS:
         raise refused(ProblemCode.PLATE_FRAMES, "", len(request.panels), most=MOST_PANELS)
     captions = _captions(request, words)
-    font.check([*captions, *(words(key) for key in (*STROKE_LABELS.values(), *AREA_LABELS.values()))])
+    _check_landmarks(request)
+    font.check(
+        [*captions, *request.landmarks, *(words(key) for key in (*STROKE_LABELS.values(), *AREA_LABELS.values()))]
+    )
     full, top = _full_scale(request)
     columns, width = _columns(request)
     maker = PanelMaker(
@@ -120,6 +124,14 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
     key = (words(f"map.{request.mapped}"), "0", top) if request.mapped else ()
     return PlatePage((request.width, float(tops[-1]) - GUTTER), maker.size, tuple(panels), alt, key, full)
+
+
+def _check_landmarks(request: PlateRequest) -> None:
+    """Refuse landmarks that no procedure of the plate has at any of its panels."""
+    known = {label for row in request.rows for label in row.source.named_landmarks(row.source.frames[0])}
+    for label in request.landmarks:
+        if label not in known:
+            raise refused(ProblemCode.PLATE_LANDMARK, "", label, known=", ".join(sorted(known)) or "none")
 
 
 def _captions(request: PlateRequest, words: PlateWords) -> list[str]:

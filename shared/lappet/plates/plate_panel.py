@@ -24,6 +24,7 @@ from lappet.plates.plate_words import PlateWords
 
 LABEL_SIZE = 7.0 * POINT  # the least that publishers print
 LINE = 1.2  # times the size of a text
+_ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
 _KINDS = tuple(AreaKind)
 _BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
 
@@ -127,6 +128,7 @@ class PanelMaker:
         fresh = {key: site for key, site in sites.items() if key not in told}
         told.update(fresh)
         named = [(self.words(key), site) for key, site in fresh.items()]
+        named += _landmarks(scene, drawing, request.landmarks, self.size)
         widths = [self.font.width(text, LABEL_SIZE) for text, _ in named]
         labels = place_labels(named, widths, self.size, LINE * LABEL_SIZE, _taken(drawing), letter)
         measures: list[Measure] = []
@@ -145,6 +147,22 @@ def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[fl
     if not cut or cut[-1] != index or not ends:
         return []
     return [time for time in scene.source.frames if steps[index].time < time <= ends[-1]]
+
+
+def _landmarks(
+    scene: PlateScene, drawing: PanelDrawing, labels: Sequence[str], size: tuple[float, float]
+) -> list[tuple[str, NDArray[np.float64]]]:
+    """The landmarks of some labels that are seen, with their places on the paper."""
+    places = scene.source.named_landmarks(drawing.surface.time)
+    found = []
+    for label in labels:
+        if label not in places:
+            continue  # its tissue has been excised
+        paper, depth = drawing.projection.paper(places[label][None])
+        inside = (np.abs(paper[0]) < 0.5 * np.asarray(size)).all()
+        if inside and depth[0] <= drawing.depth_at(paper[0]) + _ON_SKIN:
+            found.append((label, paper[0]))
+    return found
 
 
 def _taken(drawing: PanelDrawing) -> NDArray[np.float64]:

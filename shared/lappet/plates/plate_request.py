@@ -48,6 +48,8 @@ class PlateRequest:
         Whether there are labels with leaders, letters at corners, arrows of movement, lengths and angles.
     instruments
         Whether hooks are drawn.
+    landmarks
+        Labels of the landmarks that are named on every panel on which they are seen.
     mapped
         A quantity of the skin that is mapped in color, one of `lappet.drawing.skin_source.SCALARS`, or None.
     """
@@ -62,6 +64,7 @@ class PlateRequest:
     arrows: bool = True
     measures: bool = True
     instruments: bool = True
+    landmarks: tuple[str, ...] = ()
     mapped: str | None = None
 
     @property

@@ -58,7 +58,7 @@ class PlateScene:
         Rows right and up along the skin as the picture is seen, and the skin's normal, shape (3, 3).
     """
 
-    source: SkinSource
+    source: SkinCache
     field: SurgicalField
     view: Viewpoint
     scenery: tuple[SceneryMesh, ...]
