@@ -29,6 +29,7 @@ _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
 _LEAST_LETTERS = 2  # a letter alone tells nothing
 _LEAST_AREA = 6.0  # mm² on paper of an area that is named
+_SHARES = np.linspace(0.08, 0.92, 13)  # of a stroke, at which a leader may end
 _LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
 AREA_LABELS = {
@@ -180,20 +181,27 @@ def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
     Returns
     -------
     dict[str, NDArray[np.float64]]
-        By the label's key in the catalogue, a place in mm, shape (2,): inside the area, or on the longest stroke.
+        By the label's key in the catalogue, a place in mm, shape (2,): deep inside the area, or far out on a stroke.
     """
     sites: dict[str, NDArray[np.float64]] = {}
     for kind, key in STROKE_LABELS.items():
         own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
         lengths = [LineString(points).length for points in own]
         if own and sum(lengths) >= _LEAST_LENGTH:
-            longest = LineString(own[int(np.argmax(lengths))])
-            sites[key] = np.array(longest.interpolate(0.5, normalized=True).coords[0])
+            sites[key] = _outermost(own)
     for area, key in AREA_LABELS.items():
         place = _inside(drawing, area)
         if place is not None:
             sites[key] = place
     return sites
+
+
+def _outermost(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """The place on some strokes that is nearest to a side of the panel: no leader to it runs along a stroke."""
+    lines = [LineString(points) for points in courses]
+    places = [line.interpolate(share, normalized=True).coords[0] for line in lines for share in _SHARES]
+    found = np.array(places)
+    return np.asarray(found[int(np.argmax(np.abs(found[:, 0])))])
 
 
 def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None:
