@@ -83,7 +83,7 @@ def ramp_display(share: NDArray[np.floating]) -> NDArray[np.float64]:
     Returns
     -------
     NDArray[np.float64]
-        sRGB from 0 to 1, shape (n, 3).
+        Colors in sRGB from 0 to 1, shape (n, 3).
     """
     mixed = ramp_linear(share)
     return np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055)
