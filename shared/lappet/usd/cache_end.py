@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,10 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.foreign.reading_process import ReadingProcess
-from lappet.procedure import Landmark, Procedure
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.triangulation import triangulate
+from lappet.procedure import Landmark, Procedure, Tissue
+from lappet.tissue.surface import LABELS, skin_faces
 from lappet.usd.procedure_file import CHILD
 from lappet.usd.stage import open_stage, read_procedure
 from lappet.usd.stage_contents import ValueSizes
@@ -45,6 +49,12 @@ class CacheEnd:
         Mean tension at the points of the skin in kPa, shape (n,); empty where the cache has none.
     area
         Area of the skin around each of these points in mm², shape (n,).
+    lines
+        By the label of a landmark of several points that no design made, its points at rest and in the frame in mm,
+        each of shape (k, 3).
+    regions
+        By the name of each face subset of the skin, and `AT_SCAR` for what lies within 10 mm of a seam, the tension in
+        kPa and the area in mm² of its triangles, each of shape (t,).
     """
 
     procedure: Procedure
@@ -55,6 +65,8 @@ class CacheEnd:
     landmarks: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
     tension: NDArray[np.float64]
     area: NDArray[np.float64]
+    lines: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
+    regions: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
 
 
 def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> CacheEnd:
@@ -88,25 +100,29 @@ def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LI
         raise refused(ProblemCode.COMPARE_NO_CACHE, file, file.name)
     last = times[-1]
     shown = next(prim for prim in reversed(meshes) if last in prim.GetAttribute("points").GetTimeSamples())
-    tension, area = _skin(shown, last)
+    skin = _skin(shown, last)
     seams = stage.GetPrimAtPath(f"{_SKIN}/Seams")
     names = _labels(seams)
     lines = _array(seams, "points", last).reshape(len(names), -1, 3) if names else np.zeros((0, 0, 3))
     active = _array(seams, "primvars:active", last).astype(bool) if names else np.zeros(0, bool)
     own = {key: _array(seams, f"primvars:{key}", last) for key in MEASURES} if names else {}
     kept = [k for k in range(len(names)) if active[k]]
+    marks = stage.GetPrimAtPath(f"{_SKIN}/Landmarks")
     return CacheEnd(
         procedure,
         last,
         _forces(stage.GetPrimAtPath(f"{_SKIN}/Sutures"), last),
         {names[k]: lines[k] for k in kept},
         {names[k]: {key: float(values[k]) for key, values in own.items()} for k in kept},
-        _landmarks(stage.GetPrimAtPath(f"{_SKIN}/Landmarks"), procedure, last),
-        tension,
-        area,
+        _landmarks(marks, procedure, last),
+        *_by_point(skin),
+        _lines(marks, procedure, last),
+        _regions(skin, procedure.tissue, [lines[k] for k in kept]),
     )
 
 
+AT_SCAR = "within 10 mm of the scar"
+_NEAR = 10.0  # mm
 MEASURES = ("tension", "scarLength", "openArea", "startDogEar", "endDogEar")
 
 
@@ -149,17 +165,87 @@ def _landmarks(
     }
 
 
-def _skin(mesh: Any, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Tension and area of the skin's points."""
+def _lines(marks: Any, procedure: Procedure, time: float) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """The landmarks of several points that no design made: the margin of a lid, a line along a lip."""
+    names = _labels(marks)
+    if not names:
+        return {}
+    made = {name for flap in procedure.flaps for name in flap.events}
+    now, active = _array(marks, "points", time), _array(marks, "primvars:active", time)
+    index = {name: k for k, name in enumerate(names) if active[k]}
+    found = {}
+    for event in procedure.events:
+        if not isinstance(event, Landmark) or len(event.points) < 2 or event.name in made:
+            continue
+        own = [index.get(f"{event.label} {k + 1}") for k in range(len(event.points))]
+        if all(k is not None for k in own):
+            found[event.label] = (np.array(event.points, np.float64), now[own])
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Skin:
+    """The triangles (t, 3) of the skin, the cache's points (n, 3) at rest and now, their tension (n,) in kPa."""
+
+    triangles: NDArray[np.int64]
+    rest: NDArray[np.float64]
+    points: NDArray[np.float64]
+    tension: NDArray[np.float64]
+
+    def areas(self) -> NDArray[np.float64]:
+        """The area of each triangle in mm², shape (t,)."""
+        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
+        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+
+
+def _skin(mesh: Any, time: float) -> _Skin | None:
+    """The skin of an epoch; None where the cache has no tension."""
     attribute = mesh.GetAttribute("primvars:tension")
     if not attribute or not attribute.HasValue():
-        return np.zeros(0), np.zeros(0)
+        return None
     skin = np.asarray(mesh.GetPrim().GetChild("skin").GetAttribute("indices").Get(), np.int64)
     triangles = np.asarray(mesh.GetAttribute("faceVertexIndices").Get(), np.int64).reshape(-1, 3)[skin]
-    points = _array(mesh, "points", time)
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
-    area = np.zeros(len(points))
-    np.add.at(area, triangles.ravel(), np.repeat(third, 3))
+    rest = np.asarray(mesh.GetAttribute("points").Get(), np.float64)
+    return _Skin(triangles, rest, _array(mesh, "points", time), _array(mesh, "primvars:tension", time))
+
+
+def _by_point(skin: _Skin | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Tension and area of the skin's points."""
+    if skin is None:
+        return np.zeros(0), np.zeros(0)
+    area = np.zeros(len(skin.points))
+    np.add.at(area, skin.triangles.ravel(), np.repeat(skin.areas() / 3.0, 3))
     on = area > 0.0
-    return _array(mesh, "primvars:tension", time)[on], area[on]
+    return skin.tension[on], area[on]
+
+
+def _regions(
+    skin: _Skin | None, tissue: Tissue, seams: Sequence[NDArray[np.float64]]
+) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Tension and area of the skin's triangles in each region."""
+    if skin is None or not len(skin.triangles):
+        return {}
+    tension, area = skin.tension[skin.triangles].mean(axis=1), skin.areas()
+    inside: dict[str, NDArray[np.bool_]] = {}
+    outer = skin_faces(tissue)
+    names = [name for name, faces in tissue.subsets.items() if name not in LABELS and outer[faces].any()]
+    if names:
+        counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
+        triangles, _, faces = triangulate(tissue.points, counts, indices)
+        on_skin = outer[faces]
+        nearest = ClosestPoint(tissue.points, triangles[on_skin]).query(skin.rest[skin.triangles].mean(axis=1))[0]
+        face = faces[on_skin][nearest]
+        inside |= {name: np.isin(face, tissue.subsets[name]) for name in names}
+    if seams:
+        seam = np.vstack(seams)
+        pairs = np.concatenate(
+            [np.arange(len(line) - 1) + start for line, start in zip(seams, _starts(seams), strict=True)]
+        )
+        near = ClosestPoint(seam, np.stack([pairs, pairs + 1, pairs + 1], axis=1))
+        inside[AT_SCAR] = near.query(skin.points[skin.triangles].mean(axis=1))[2] <= _NEAR
+    return {name: (tension[mask], area[mask]) for name, mask in inside.items() if mask.any()}
+
+
+def _starts(lines: Sequence[NDArray[np.float64]]) -> list[int]:
+    """The number of the first point of each line, one after the other."""
+    return [sum(len(line) for line in lines[:k]) for k in range(len(lines))]

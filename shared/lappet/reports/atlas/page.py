@@ -39,7 +39,13 @@ is, as the smallest of its shape whose excision holds it, and its own excision t
 
 The procedure remembers how its flaps were laid (a prim with `LappetFlapAPI` for each; `lappet inspect` lists them), so
 `lappet flap edit` and the handles in Blender can move, turn and change one later. Its events are then laid anew: what
-was changed on them by hand is lost, and named. In Python:
+was changed on them by hand is lost, and named.
+
+`lappet compare one.usdc other.usdc` holds solved operations beside each other: closing force, greatest and mean tension
+of the skin as a whole, near the scar and in each face subset, scar length and its direction against the skin lines,
+dog-ear, undermined area, and where landmarks went; `-o` draws it as bars, `--plate` as a plate of plans and results.
+
+In Python:
 
 ```python
 from lappet.designs import DESIGNS, fit_to_defect, flap_on_patch
