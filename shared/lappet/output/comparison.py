@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.output.skin_regions import skin_regions
 from lappet.procedure import Undermine
 from lappet.tissue.skin_lines import skin_field
 from lappet.tissue.skin_sheet import SkinSheet
@@ -119,11 +120,12 @@ def compared(name: str, end: CacheEnd) -> Compared:
         single | lines,
         {label: _vector(now - rest) for label, (rest, now) in end.landmarks.items()},
         {label: _length(now) / _length(rest) - 1.0 for label, (rest, now) in end.lines.items()},
-        {
-            name: (_share(*each, GREATEST), float(np.average(each[0], weights=each[1])))
-            for name, each in end.regions.items()
-        },
+        {name: (_share(*each, share=GREATEST), _mean(*each)) for name, each in skin_regions(end).items()},
     )
+
+
+def _mean(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
+    return float(np.average(values, weights=weights))
 
 
 def _vector(way: NDArray[np.float64]) -> tuple[float, float, float]:

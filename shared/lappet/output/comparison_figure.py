@@ -33,7 +33,8 @@ def plot_comparison(columns: Sequence[Compared], path: Path) -> None:
     rows = max(len(regions), len(marks)) * len(columns)
     below = 0.8 + _ROW * rows if rows else 0.0
     figure = pyplot.figure(figsize=(10.0, 7.5 + below), layout="constrained")
-    above, under = figure.subfigures(2, 1, height_ratios=(7.5, below)) if rows else (figure, None)
+    parts: Any = figure.subfigures(2, 1, height_ratios=(7.5, below)) if rows else (figure, None)
+    above, under = parts
     colors = [f"C{k}" for k in range(len(columns))]
     for axis, (name, title, unit) in zip(above.subplots(3, 3).flat, SHOWN, strict=True):
         values = [getattr(each, name) for each in columns]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,15 +14,45 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.foreign.reading_process import ReadingProcess
-from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.triangulation import triangulate
-from lappet.procedure import Landmark, Procedure, Tissue
-from lappet.tissue.surface import LABELS, skin_faces
+from lappet.procedure import Landmark, Procedure
 from lappet.usd.procedure_file import CHILD
 from lappet.usd.stage import open_stage, read_procedure
 from lappet.usd.stage_contents import ValueSizes
 
 _SKIN = "/Procedure/Skin"
+
+
+@dataclass(frozen=True, eq=False)
+class SkinEnd:
+    """The skin in the last frame.
+
+    Parameters
+    ----------
+    triangles
+        Its triangles, shape (t, 3).
+    rest
+        Points at rest in mm, shape (n, 3).
+    points
+        Points in the frame in mm, shape (n, 3).
+    tension
+        Mean tension at the points in kPa, shape (n,).
+    """
+
+    triangles: NDArray[np.int64]
+    rest: NDArray[np.float64]
+    points: NDArray[np.float64]
+    tension: NDArray[np.float64]
+
+    def areas(self) -> NDArray[np.float64]:
+        """Measure the triangles in the frame.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Their areas in mm², shape (t,).
+        """
+        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
+        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +81,8 @@ class CacheEnd:
     lines
         By the label of a landmark of several points that no design made, its points at rest and in the frame in mm,
         each of shape (k, 3).
-    regions
-        By the name of each face subset of the skin, and `AT_SCAR` for what lies within 10 mm of a seam, the tension in
-        kPa and the area in mm² of its triangles, each of shape (t,).
+    skin
+        The skin; None where the cache has no tension.
     """
 
     procedure: Procedure
@@ -66,7 +94,7 @@ class CacheEnd:
     tension: NDArray[np.float64]
     area: NDArray[np.float64]
     lines: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
-    regions: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
+    skin: SkinEnd | None = None
 
 
 def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> CacheEnd:
@@ -117,12 +145,10 @@ def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LI
         _landmarks(marks, procedure, last),
         *_by_point(skin),
         _lines(marks, procedure, last),
-        _regions(skin, procedure.tissue, [lines[k] for k in kept]),
+        skin,
     )
 
 
-AT_SCAR = "within 10 mm of the scar"
-_NEAR = 10.0  # mm
 MEASURES = ("tension", "scarLength", "openArea", "startDogEar", "endDogEar")
 
 
@@ -177,28 +203,13 @@ def _lines(marks: Any, procedure: Procedure, time: float) -> dict[str, tuple[NDA
     for event in procedure.events:
         if not isinstance(event, Landmark) or len(event.points) < 2 or event.name in made:
             continue
-        own = [index.get(f"{event.label} {k + 1}") for k in range(len(event.points))]
-        if all(k is not None for k in own):
+        own = [index[name] for k in range(len(event.points)) if (name := f"{event.label} {k + 1}") in index]
+        if len(own) == len(event.points):
             found[event.label] = (np.array(event.points, np.float64), now[own])
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class _Skin:
-    """The triangles (t, 3) of the skin, the cache's points (n, 3) at rest and now, their tension (n,) in kPa."""
-
-    triangles: NDArray[np.int64]
-    rest: NDArray[np.float64]
-    points: NDArray[np.float64]
-    tension: NDArray[np.float64]
-
-    def areas(self) -> NDArray[np.float64]:
-        """The area of each triangle in mm², shape (t,)."""
-        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
-        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
-
-
-def _skin(mesh: Any, time: float) -> _Skin | None:
+def _skin(mesh: Any, time: float) -> SkinEnd | None:
     """The skin of an epoch; None where the cache has no tension."""
     attribute = mesh.GetAttribute("primvars:tension")
     if not attribute or not attribute.HasValue():
@@ -206,10 +217,10 @@ def _skin(mesh: Any, time: float) -> _Skin | None:
     skin = np.asarray(mesh.GetPrim().GetChild("skin").GetAttribute("indices").Get(), np.int64)
     triangles = np.asarray(mesh.GetAttribute("faceVertexIndices").Get(), np.int64).reshape(-1, 3)[skin]
     rest = np.asarray(mesh.GetAttribute("points").Get(), np.float64)
-    return _Skin(triangles, rest, _array(mesh, "points", time), _array(mesh, "primvars:tension", time))
+    return SkinEnd(triangles, rest, _array(mesh, "points", time), _array(mesh, "primvars:tension", time))
 
 
-def _by_point(skin: _Skin | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _by_point(skin: SkinEnd | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Tension and area of the skin's points."""
     if skin is None:
         return np.zeros(0), np.zeros(0)
@@ -217,35 +228,3 @@ def _by_point(skin: _Skin | None) -> tuple[NDArray[np.float64], NDArray[np.float
     np.add.at(area, skin.triangles.ravel(), np.repeat(skin.areas() / 3.0, 3))
     on = area > 0.0
     return skin.tension[on], area[on]
-
-
-def _regions(
-    skin: _Skin | None, tissue: Tissue, seams: Sequence[NDArray[np.float64]]
-) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Tension and area of the skin's triangles in each region."""
-    if skin is None or not len(skin.triangles):
-        return {}
-    tension, area = skin.tension[skin.triangles].mean(axis=1), skin.areas()
-    inside: dict[str, NDArray[np.bool_]] = {}
-    outer = skin_faces(tissue)
-    names = [name for name, faces in tissue.subsets.items() if name not in LABELS and outer[faces].any()]
-    if names:
-        counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
-        triangles, _, faces = triangulate(tissue.points, counts, indices)
-        on_skin = outer[faces]
-        nearest = ClosestPoint(tissue.points, triangles[on_skin]).query(skin.rest[skin.triangles].mean(axis=1))[0]
-        face = faces[on_skin][nearest]
-        inside |= {name: np.isin(face, tissue.subsets[name]) for name in names}
-    if seams:
-        seam = np.vstack(seams)
-        pairs = np.concatenate(
-            [np.arange(len(line) - 1) + start for line, start in zip(seams, _starts(seams), strict=True)]
-        )
-        near = ClosestPoint(seam, np.stack([pairs, pairs + 1, pairs + 1], axis=1))
-        inside[AT_SCAR] = near.query(skin.points[skin.triangles].mean(axis=1))[2] <= _NEAR
-    return {name: (tension[mask], area[mask]) for name, mask in inside.items() if mask.any()}
-
-
-def _starts(lines: Sequence[NDArray[np.float64]]) -> list[int]:
-    """The number of the first point of each line, one after the other."""
-    return [sum(len(line) for line in lines[:k]) for k in range(len(lines))]
