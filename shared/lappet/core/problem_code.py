@@ -363,6 +363,8 @@ class ProblemCode(StrEnum):
     PLATE_PROFILE = auto()
     PLATE_CACHE = auto()
     PLATE_FOLDER = auto()
+    PLATE_NO_MAP = auto()
+    PLATE_LANDMARK = auto()
     DEMO_MISSING = auto()
     REPORT_FOLDER = auto()
     REPORT_NEEDS = auto()

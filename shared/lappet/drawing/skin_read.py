@@ -247,6 +247,28 @@ class SkinCache(SkinSource):
         points = prim.GetAttribute("points").Get(time) if prim else None
         return np.asarray(points if points is not None else [], np.float32).reshape(-1, 3) * np.float32(self._mm)
 
+    def named_landmarks(self, time: float) -> dict[str, NDArray[np.float64]]:
+        """Read the landmarks that are on the tissue at a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        dict[str, NDArray[np.float64]]
+            Their places in mm, shape (3,), by label; those whose tissue is gone are left out.
+        """
+        prim = self._stage.GetPrimAtPath("/Procedure/Skin/Landmarks")
+        labels = list(prim.GetAttribute("primvars:label").Get() or ()) if prim else []
+        points = self.landmarks(time).astype(np.float64)
+        active = prim.GetAttribute("primvars:active").Get(time) if prim else None
+        flags = [True] * len(labels) if active is None else [bool(each) for each in active]
+        if not len(labels) == len(points) == len(flags):
+            return {}
+        return {label: place for label, place, on in zip(labels, points, flags, strict=True) if on}
+
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
         return self._curves("Incision", step)
 

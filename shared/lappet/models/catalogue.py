@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lappet.models.cleft import COMPLETE, INCOMPLETE
 from lappet.models.model import Depth, Model, Trial
 from lappet.models.region import Ellipsoid
 from lappet.models.sources import CHOSEN
@@ -71,6 +72,28 @@ _HEAD_MODELS = (
         Trial((-20.0, 141.0, 655.0), (0.25, 0.0, 1.0), 12.0),
         _HEAD,
         face=True,
+    ),
+    *(
+        Model(
+            name,
+            f"the upper lip and the nose with {what} cleft of the lip on the left",
+            Ellipsoid((0.0, 136.0, 680.0), (46.0, 50.0, 36.0)),
+            Depth(1.2, "BMC 2022", "of the zygoma, as in `lips`"),
+            Depth(2.0, CHOSEN, "to the orbicularis; a lip with a cleft is thin, and so is the nose"),
+            "face",
+            "loose",
+            0.8,
+            1,
+            ("lips", "chin", "cheeks", "nose"),
+            Trial((22.0, 141.0, 655.0), (-0.25, 0.0, 1.0), 12.0),
+            _HEAD,
+            face=True,
+            cleft=cleft,
+        )
+        for name, what, cleft in (
+            ("cleft-lip", "an incomplete", INCOMPLETE),
+            ("cleft-lip-complete", "a complete", COMPLETE),
+        )
     ),
     Model(
         "eyelids",

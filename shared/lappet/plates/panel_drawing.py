@@ -29,6 +29,7 @@ _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
 _LEAST_LETTERS = 2  # a letter alone tells nothing
 _LEAST_AREA = 6.0  # mm² on paper of an area that is named
+_SHARES = np.linspace(0.08, 0.92, 13)  # of a stroke, at which a leader may end
 _LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
 AREA_LABELS = {
@@ -93,6 +94,23 @@ class PanelDrawing:
     letters: tuple[Letter, ...]
     arrows: tuple[NDArray[np.float64], ...]
 
+    def depth_at(self, place: NDArray[np.float64]) -> float:
+        """Look up the depth of what is seen at a place.
+
+        Parameters
+        ----------
+        place
+            A place in mm on paper, shape (2,).
+
+        Returns
+        -------
+        float
+            The depth of the nearest pixel in mm; infinite where there is nothing.
+        """
+        column = int(np.argmin(np.abs(self.pixels.x - place[0])))
+        row = int(np.argmin(np.abs(self.pixels.y - place[1])))
+        return float(self.pixels.depth[row, column])
+
 
 def panel_drawing(
     scene: PlateScene,
@@ -102,6 +120,7 @@ def panel_drawing(
     later: Sequence[float] = (),
     letters: bool = True,
     instruments: bool = True,
+    mapped: str | None = None,
 ) -> PanelDrawing:
     """Draw a panel.
 
@@ -121,6 +140,8 @@ def panel_drawing(
         Whether corners have letters.
     instruments
         Whether hooks are drawn.
+    mapped
+        A quantity of the skin that is mapped, one of `lappet.drawing.skin_source.SCALARS`, or None.
 
     Returns
     -------
@@ -136,7 +157,8 @@ def panel_drawing(
     strokes = visible_strokes(rough, projection, screen)
     strands = [each for each in scene.strands(time) if instruments or each.kind is not LineKind.INSTRUMENT]
     strokes += visible_strokes(strands, projection, screen, smooth=False)
-    pixels = seen_pixels(surface, projection, screen, scene.source.layers)
+    quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
+    pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
     return PanelDrawing(
         projection,
         surface,
@@ -159,20 +181,27 @@ def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
     Returns
     -------
     dict[str, NDArray[np.float64]]
-        By the label's key in the catalogue, a place in mm, shape (2,): inside the area, or on the longest stroke.
+        By the label's key in the catalogue, a place in mm, shape (2,): deep inside the area, or far out on a stroke.
     """
     sites: dict[str, NDArray[np.float64]] = {}
     for kind, key in STROKE_LABELS.items():
         own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
         lengths = [LineString(points).length for points in own]
         if own and sum(lengths) >= _LEAST_LENGTH:
-            longest = LineString(own[int(np.argmax(lengths))])
-            sites[key] = np.array(longest.interpolate(0.5, normalized=True).coords[0])
+            sites[key] = _outermost(own)
     for area, key in AREA_LABELS.items():
         place = _inside(drawing, area)
         if place is not None:
             sites[key] = place
     return sites
+
+
+def _outermost(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """The place on some strokes that is nearest to a side of the panel: no leader to it runs along a stroke."""
+    lines = [LineString(points) for points in courses]
+    places = [line.interpolate(share, normalized=True).coords[0] for line in lines for share in _SHARES]
+    found = np.array(places)
+    return np.asarray(found[int(np.argmax(np.abs(found[:, 0])))])
 
 
 def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None:
