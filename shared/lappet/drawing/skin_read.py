@@ -201,8 +201,10 @@ class SkinCache(SkinSource):
         labels = skin.GetAttribute("primvars:label").Get() if skin else None
         held = min((e.start for e in self.events if e.kind in ("Hook", "Retractor", "Suture")), default=first)
         rest = self.rest(epoch)
-        if labels is not None and index < len(labels) and (first <= held or epoch.name in self._at_rest):
-            prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{labels[index]}")
+        label = labels[index] if labels is not None and index < len(labels) else ""
+        single = bool(label) and "/" not in label  # a stitch of a run has no prim of its own
+        if single and (first <= held or epoch.name in self._at_rest):
+            prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{label}")
             anchors = prim.GetAttribute("lappet:anchors").Get() if prim else None
             if anchors is not None and len(anchors) == 2:
                 return rest, np.asarray(anchors, np.float32) * np.float32(self._mm)
