@@ -22,6 +22,7 @@ _ROW = 1.25  # distance of two ports in lines of text
 _GAP = 0.4  # between a text and its leader, in lines
 _MARGIN = 0.4  # between a text and the panel's side, in lines
 _ROUNDS = 60
+_ALONG = 4.0  # mm that each sixth of a leader costs which runs along what is taken
 _COVERS = 1e3  # mm that a text over what is taken, or over its own leader, costs
 
 
@@ -49,8 +50,9 @@ class PlacedLabel:
 
 @dataclass(frozen=True, eq=False)
 class _Ports:
-    """For each label and port: where the leader ends (n, p, 2) and the box of the text, (n, p, 4): low, high corner."""
+    """For each label and port: where its leader begins and ends, each (n, p, 2), and its text's box (n, p, 4)."""
 
+    sites: NDArray[np.float64]
     ends: NDArray[np.float64]
     boxes: NDArray[np.float64]
     cost: NDArray[np.float64]
@@ -69,7 +71,7 @@ def place_labels(
     Parameters
     ----------
     labels
-        Text and site of each, the site in mm from the panel's middle, y downwards.
+        Text of each and the places that it may lead to, in mm from the panel's middle, y downwards, shape (c, 2).
     widths
         Width of each text in mm.
     size
@@ -100,19 +102,19 @@ def place_labels(
     room = 0.5 * size[0] - (_GAP + _MARGIN) * line
     if widths[wide] > room:
         raise refused(ProblemCode.PLATE_LABEL_WIDE, panel, labels[wide][0], room=f"{room:.0f}")
-    sites = np.array([site for _, site in labels], np.float64)
+    sites = [np.atleast_2d(np.asarray(site, np.float64)) for _, site in labels]
     ports = _ports(sites, np.asarray(widths, np.float64), size, line, rows, taken)
-    chosen = _assigned(sites, ports)
+    chosen = _assigned(ports)
     if chosen is None:
         raise refused(ProblemCode.PLATE_LABELS, panel, len(labels), most=len(labels) - 1)
     return [
-        PlacedLabel(text, sites[k], ports.ends[k, port], bool(port < rows))
+        PlacedLabel(text, ports.sites[k, port], ports.ends[k, port], bool(port < rows))
         for k, ((text, _), port) in enumerate(zip(labels, chosen, strict=True))
     ]
 
 
 def _ports(
-    sites: NDArray[np.float64],
+    sites: Sequence[NDArray[np.float64]],
     widths: NDArray[np.float64],
     size: tuple[float, float],
     line: float,
@@ -123,31 +125,47 @@ def _ports(
     y = (np.arange(rows) + 0.5) * size[1] / rows - half[1]
     ends, boxes = np.empty((len(sites), 2 * rows, 2)), np.empty((len(sites), 2 * rows, 4))
     for side, sign in enumerate((-1.0, 1.0)):
-        own = slice(side * rows, (side + 1) * rows)
+        half_of = slice(side * rows, (side + 1) * rows)
         outer = sign * (half[0] - _MARGIN * line)
         inner = outer - sign * widths[:, None]
-        ends[:, own] = np.stack(np.broadcast_arrays(inner - sign * _GAP * line, y), axis=-1)
+        ends[:, half_of] = np.stack(np.broadcast_arrays(inner - sign * _GAP * line, y), axis=-1)
         low, high = np.minimum(inner, outer), np.maximum(inner, outer)
-        boxes[:, own] = np.stack(np.broadcast_arrays(low, y - 0.5 * line, high, y + 0.5 * line), axis=-1)
-    cost = np.linalg.norm(ends - sites[:, None], axis=2)
-    for k, site in enumerate(sites):
-        own = [_meets(site, ends[k, port], boxes[k, port]) for port in range(2 * rows)]
-        cost[k] += _COVERS * np.array(own)  # a leader that runs back below its own text
-    if taken is not None and len(taken):
-        for k in range(len(sites)):
-            box = boxes[k][:, None]
-            covered = ((taken >= box[..., :2]) & (taken <= box[..., 2:])).all(axis=2).any(axis=1)
-            cost[k] += _COVERS * covered
-    return _Ports(ends, boxes, cost)
+        boxes[:, half_of] = np.stack(np.broadcast_arrays(low, y - 0.5 * line, high, y + 0.5 * line), axis=-1)
+    none = np.zeros((0, 2)) if taken is None else taken
+    begins, cost = np.empty_like(ends), np.empty(ends.shape[:2])
+    for k, own in enumerate(sites):
+        for port in range(2 * rows):
+            effort = _effort(own, ends[k, port], none, line)
+            best = int(np.argmin(effort))
+            begins[k, port], cost[k, port] = own[best], effort[best]
+            # A leader that runs back below its own text, and a text over what is taken.
+            cost[k, port] += _COVERS * _meets(own[best], ends[k, port], boxes[k, port])
+        box = boxes[k][:, None]
+        covered = ((none >= box[..., :2]) & (none <= box[..., 2:])).all(axis=2)
+        cost[k] += _COVERS * covered.any(axis=1)
+    return _Ports(begins, ends, boxes, cost)
 
 
-def _assigned(sites: NDArray[np.float64], ports: _Ports) -> NDArray[np.int64] | None:
+def _effort(
+    sites: NDArray[np.float64], end: NDArray[np.float64], taken: NDArray[np.float64], line: float
+) -> NDArray[np.float64]:
+    """Lengths of leaders from some sites (c, 2) to a port, with what they lose where they run along what is taken."""
+    lengths = np.linalg.norm(end - sites, axis=1)
+    if not len(taken):
+        return lengths
+    along = sites[:, None] + np.linspace(0.3, 0.95, 6)[:, None] * (end - sites)[:, None]
+    near = np.linalg.norm(along[:, :, None] - taken, axis=3).min(axis=2) < 0.3 * line
+    effort: NDArray[np.float64] = lengths + _ALONG * near.sum(axis=1)
+    return effort
+
+
+def _assigned(ports: _Ports) -> NDArray[np.int64] | None:
     """The port of each label, (n,); None where no assignment keeps all conditions."""
     chosen = linear_sum_assignment(ports.cost)[1]
     count, places = ports.cost.shape
     broken: list[tuple[int, int]] = []
     for _ in range(_ROUNDS):
-        fresh = _conflicts(sites, ports, chosen)
+        fresh = _conflicts(ports, chosen)
         if not fresh:
             found: NDArray[np.int64] = chosen
             return found
@@ -174,11 +192,11 @@ def _assigned(sites: NDArray[np.float64], ports: _Ports) -> NDArray[np.int64] | 
     return None
 
 
-def _conflicts(sites: NDArray[np.float64], ports: _Ports, chosen: NDArray[np.int64]) -> list[tuple[int, int]]:
+def _conflicts(ports: _Ports, chosen: NDArray[np.int64]) -> list[tuple[int, int]]:
     """Pairs of choices, as label times ports plus port, that cannot both be: their leaders or a text cross."""
     count, places = ports.cost.shape
     own = np.arange(count)
-    ends, boxes = ports.ends[own, chosen], ports.boxes[own, chosen]
+    sites, ends, boxes = ports.sites[own, chosen], ports.ends[own, chosen], ports.boxes[own, chosen]
     found = []
     for a in range(count):
         for b in range(a + 1, count):

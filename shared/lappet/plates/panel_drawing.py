@@ -29,7 +29,8 @@ _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
 _LEAST_LETTERS = 2  # a letter alone tells nothing
 _LEAST_AREA = 6.0  # mm² on paper of an area that is named
-_SHARES = np.linspace(0.08, 0.92, 13)  # of a stroke, at which a leader may end
+_SHARES = np.linspace(0.1, 0.9, 7)  # of a stroke, at which a leader may end
+_MOST_STROKES = 8  # of a kind that leaders may run to
 _LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
 AREA_LABELS = {
@@ -194,27 +195,26 @@ def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABE
     Returns
     -------
     dict[str, NDArray[np.float64]]
-        By the label's key in the catalogue, a place in mm, shape (2,): deep inside the area, or far out on a stroke.
+        By the label's key in the catalogue, places in mm, shape (c, 2): deep inside the area, or along the strokes.
     """
     sites: dict[str, NDArray[np.float64]] = {}
     for kind, key in STROKE_LABELS.items():
         own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
         lengths = [LineString(points).length for points in own]
         if own and sum(lengths) >= _LEAST_LENGTH:
-            sites[key] = _outermost(own)
+            sites[key] = _along(own)
     for area, key in areas.items():
         place = _inside(drawing, area)
         if place is not None:
-            sites[key] = place
+            sites[key] = place[None]
     return sites
 
 
-def _outermost(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """The place on some strokes that is nearest to a side of the panel: no leader to it runs along a stroke."""
+def _along(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Places on some strokes to which a leader may run, (k, 2)."""
     lines = [LineString(points) for points in courses]
-    places = [line.interpolate(share, normalized=True).coords[0] for line in lines for share in _SHARES]
-    found = np.array(places)
-    return np.asarray(found[int(np.argmax(np.abs(found[:, 0])))])
+    longest = sorted(lines, key=lambda line: -line.length)[:_MOST_STROKES]
+    return np.array([line.interpolate(share, normalized=True).coords[0] for line in longest for share in _SHARES])
 
 
 def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None:

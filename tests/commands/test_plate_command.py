@@ -5,9 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import pytest
 from click.testing import CliRunner
 
+import synthetic_skin_cache as synthetic
 from lappet.commands.cli import cli
+
+
+@pytest.fixture(scope="module")
+def cache_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A skin cache made without the solver."""
+    return synthetic.write_cache(tmp_path_factory.mktemp("cache"), step=2.0)
 
 
 def test_a_plate_is_written_with_the_captions_of_the_user(cache_file: Path, tmp_path: Path) -> None:
