@@ -220,6 +220,24 @@ def with_errors(fine: FrameMeasures, coarse: FrameMeasures, reckoning: Reckoning
     return FrameMeasures(sutures, sums, hooks, seams, _of_tension(fine.mean_tension, coarse.mean_tension, reckoning))
 
 
+def coarse_share(fine: FrameMeasures, coarse: FrameMeasures) -> float | None:
+    """Divide what all sutures pull with in the coarse program by what they pull with in the frame.
+
+    Parameters
+    ----------
+    fine
+        What is measured at the frame.
+    coarse
+        What is measured at the frame of the coarse program.
+
+    Returns
+    -------
+    float | None
+        The quotient over the sutures that both lattices resolve; None where there are none.
+    """
+    return _Ratios(fine.sutures, {row.suture: row.force_mn for row in coarse.sutures if row.resolved}).of()
+
+
 class _Ratios:
     """The forces of the coarse program over those of the frame, summed over sutures that both resolve."""
 

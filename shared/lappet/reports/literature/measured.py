@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from lappet.output.solve_to_cache import SolveResult
 from lappet.reports.literature.operations import BESIDE, CENTRAL_LIMB, LIMB, LIPS, SCAR_ENDS
+from lappet.solve.coarse_program import RATIO
+from lappet.solve.measure_errors import FORCE_ORDER, coarse_share
+from lappet.solve.measures import Gauges
 from lappet.solve.seam_measures import SeamMeasure
 
 LAID_OPEN = 7.0  # time code at which a wound is excised and undermined, before its first suture
@@ -81,6 +84,45 @@ class Measured:
             The product.
         """
         return Measured(self.value * factor, None if self.error is None else self.error * abs(factor))
+
+
+def closing_share(held: SolveResult, freed: SolveResult) -> Measured:
+    """Divide the closing force of an operation by that of another, with the error of the quotient as one quantity.
+
+    The lattice costs both forces much the same, and of the quotient only what it costs one more than the other is left:
+    the quotient is taken on both lattices, and its error reckoned from the two values as that of a force is
+    (`lappet.solve.measure_errors`). By chance the two may agree; the error is therefore at least what the relative
+    errors of the two forces differ by.
+
+    Parameters
+    ----------
+    held
+        The operation whose force is divided by.
+    freed
+        The other one.
+
+    Returns
+    -------
+    Measured
+        The quotient; with the errors of both forces added where a lattice resolves no suture.
+    """
+    quotient = closing_force(freed).per(closing_force(held))
+    forces = closing_force(freed), closing_force(held)
+    shares = _coarse_share(freed), _coarse_share(held)
+    if quotient.error is None or any(not share for share in shares):
+        return quotient
+    (own, other), (fine, coarse) = (force.error / force.value for force in forces), shares  # type: ignore[operator]
+    apart = abs(math.log(fine / coarse))
+    found = 1.0 - math.exp(-apart / (RATIO**FORCE_ORDER - 1.0))
+    return Measured(quotient.value, quotient.value * max(found, abs(own - other)))
+
+
+def _coarse_share(result: SolveResult) -> float | None:
+    """The closing force on the coarse lattice over that on the lattice, at the end."""
+    coarse = result.errors.coarse[-1] if result.errors is not None and result.errors.coarse else None
+    if coarse is None:
+        return None
+    return coarse_share(result.measures[-1], Gauges(result.program).measure(coarse))
 
 
 @dataclass(frozen=True)
