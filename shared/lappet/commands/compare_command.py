@@ -71,19 +71,9 @@ def compare(
 
 
 def _draw_plate(caches: tuple[Path, ...], columns: list[Compared], path: Path, limits: ReadLimits) -> None:
+    """Draw a row for each operation: planned, and its end with what was measured there."""
     from lappet.output.comparison import one_line
-    from lappet.plates.comparison_plate import Operation, comparison_plate
-    from lappet.plates.plate_cache import open_cache
-    from lappet.plates.plate_files import check_format, write_plate
-    from lappet.plates.plate_font import PlateFont
-    from lappet.plates.plate_style import plate_style
-    from lappet.plates.plate_words import plate_words
+    from lappet.plates.draw_plate import PlateOptions, draw_plate
 
-    check_format(path)
-    font = PlateFont()
-    operations = [
-        Operation(each.name, open_cache(cache, limits), one_line(each))
-        for cache, each in zip(caches, columns, strict=True)
-    ]
-    made = comparison_plate(operations, plate_style("schematic"), plate_words("en"), font)
-    write_plate(made.svg, made.size, made.alt, font, path, 300)
+    captions = {2 * k + 1: f"{each.name}: {one_line(each)}" for k, each in enumerate(columns)}
+    draw_plate(caches, [path], PlateOptions(captions=captions, shown={"columns": 2}), limits)

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lappet.commands.parameters import FILE, FrameList
+from lappet.commands.parameters import FILE, FrameList, PlaneNumbers
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
@@ -69,6 +69,9 @@ class PanelCaption(click.ParamType):
 @click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
 @click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process, for a TIFF in CMYK.")
 @click.option("--transparent", is_flag=True, help="Leave the paper out.")
+@click.option(
+    "--section", type=PlaneNumbers(), help="Show a cross-section in every panel but the plan: a point in mm, a normal."
+)
 @click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
 @click.option(
     "--landmark", "landmarks", multiple=True, metavar="LABEL", help="A landmark that is named where it is seen."

@@ -365,6 +365,7 @@ class ProblemCode(StrEnum):
     PLATE_FOLDER = auto()
     PLATE_NO_MAP = auto()
     PLATE_LANDMARK = auto()
+    PLATE_SECTION = auto()
     DEMO_MISSING = auto()
     REPORT_FOLDER = auto()
     REPORT_NEEDS = auto()

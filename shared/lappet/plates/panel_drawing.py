@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from shapely import LineString, box
 
 from lappet.drawing.framing import half_angles
 from lappet.plates.drawn_surface import DrawnSurface, drawn_surface
-from lappet.plates.feature_lines import LineKind, surface_lines
+from lappet.plates.feature_lines import FeatureLine, LineKind, surface_lines
 from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, seen_pixels
 from lappet.plates.hatching import hatching
 from lappet.plates.plate_scene import PlateScene
@@ -45,6 +45,13 @@ STROKE_LABELS = {
     LineKind.INSTRUMENT: "label.instrument",
     LineKind.THREAD: "label.thread",
     LineKind.VESSEL: "label.vessel",
+    LineKind.SECTION: "label.section",
+}
+# In a cross-section.
+SECTION_LABELS = {
+    AreaKind.WALL_SKIN: "section.skin",
+    AreaKind.WALL_FAT: "label.wall-fat",
+    AreaKind.WALL_DEEP: "label.wall-deep",
 }
 
 
@@ -121,6 +128,7 @@ def panel_drawing(
     letters: bool = True,
     instruments: bool = True,
     mapped: str | None = None,
+    more: Sequence[FeatureLine] = (),
 ) -> PanelDrawing:
     """Draw a panel.
 
@@ -142,6 +150,8 @@ def panel_drawing(
         Whether hooks are drawn.
     mapped
         A quantity of the skin that is mapped, one of `lappet.drawing.skin_source.SCALARS`, or None.
+    more
+        Lines that are drawn besides.
 
     Returns
     -------
@@ -155,7 +165,8 @@ def panel_drawing(
     lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale) if style.hatched else []
     rough = [*lines, *surface_lines(surface, scene.view.position)]
     strokes = visible_strokes(rough, projection, screen)
-    strands = [each for each in scene.strands(time) if instruments or each.kind is not LineKind.INSTRUMENT]
+    strands = [*more, *scene.strands(time)]
+    strands = [each for each in strands if instruments or each.kind is not LineKind.INSTRUMENT]
     strokes += visible_strokes(strands, projection, screen, smooth=False)
     quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
     pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
@@ -164,19 +175,21 @@ def panel_drawing(
         surface,
         pixels,
         tuple(filled_areas(pixels)),
-        tuple(_clipped(strokes, size)),
+        tuple(clipped(strokes, size)),
         tuple(_letters(scene, time, projection, screen)) if letters else (),
         tuple(_arrows(scene, time, later, projection)),
     )
 
 
-def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
+def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABELS) -> dict[str, NDArray[np.float64]]:
     """Find places to which labels of what is seen can lead.
 
     Parameters
     ----------
     drawing
         The panel.
+    areas
+        The catalogue's words for kinds of areas.
 
     Returns
     -------
@@ -189,7 +202,7 @@ def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
         lengths = [LineString(points).length for points in own]
         if own and sum(lengths) >= _LEAST_LENGTH:
             sites[key] = _outermost(own)
-    for area, key in AREA_LABELS.items():
+    for area, key in areas.items():
         place = _inside(drawing, area)
         if place is not None:
             sites[key] = place
@@ -215,7 +228,21 @@ def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None
     return np.array([pixels.x[deepest[1]], pixels.y[deepest[0]]])
 
 
-def _clipped(strokes: Sequence[Stroke], size: tuple[float, float]) -> list[Stroke]:
+def clipped(strokes: Sequence[Stroke], size: tuple[float, float]) -> list[Stroke]:
+    """Cut strokes off at the border of a panel.
+
+    Parameters
+    ----------
+    strokes
+        The strokes.
+    size
+        Width and height of the panel in mm.
+
+    Returns
+    -------
+    list[Stroke]
+        What lies inside.
+    """
     frame = box(-0.5 * size[0], -0.5 * size[1], 0.5 * size[0], 0.5 * size[1])
     inside = []
     for stroke in strokes:

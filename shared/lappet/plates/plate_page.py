@@ -10,7 +10,8 @@ import numpy as np
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value
-from lappet.plates.panel_drawing import AREA_LABELS, STROKE_LABELS
+from lappet.drawing.section_plane import SectionPlane
+from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, STROKE_LABELS
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest
@@ -25,6 +26,7 @@ CAPTION_SIZE = 8.0 * POINT
 GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
 _ASPECT = 0.75
+_LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,18 +95,17 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     ------
     RefusedError
         If the width is out of range, there are too many panels, a panel has too many labels, a landmark is not
-        there, the font lacks a
+        there, the section is no plane, the font lacks a
         character, or a cache lacks what is to be mapped.
     """
     if not LEAST_WIDTH <= request.width <= WIDEST:
         raise refused(ProblemCode.PLATE_WIDTH, "", request.width, range=f"{LEAST_WIDTH:g} to {WIDEST:g}")
     if len(request.panels) > MOST_PANELS:
         raise refused(ProblemCode.PLATE_FRAMES, "", len(request.panels), most=MOST_PANELS)
+    _check_section(request)
     captions = _captions(request, words)
     _check_landmarks(request)
-    font.check(
-        [*captions, *request.landmarks, *(words(key) for key in (*STROKE_LABELS.values(), *AREA_LABELS.values()))]
-    )
+    font.check([*captions, *request.landmarks, *(words(key) for key in _LABELS)])
     full, top = _full_scale(request)
     columns, width = _columns(request)
     maker = PanelMaker(
@@ -124,6 +125,15 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
     key = (words(f"map.{request.mapped}"), "0", top) if request.mapped else ()
     return PlatePage((request.width, float(tops[-1]) - GUTTER), maker.size, tuple(panels), alt, key, full)
+
+
+def _check_section(request: PlateRequest) -> None:
+    """Refuse a section that is no plane."""
+    if request.section is not None:
+        try:
+            SectionPlane.of(request.section)
+        except ValueError as error:
+            raise refused(ProblemCode.PLATE_SECTION, "", str(request.section)) from error
 
 
 def _check_landmarks(request: PlateRequest) -> None:

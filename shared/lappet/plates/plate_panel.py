@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from string import ascii_uppercase
 
@@ -10,22 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import LineString
 
+from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import AreaKind
 from lappet.plates.measures import Measure, plan_measures
-from lappet.plates.panel_drawing import PanelDrawing, label_sites, panel_drawing
+from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, PanelDrawing, label_sites, panel_drawing
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
 from lappet.plates.plate_style import POINT, PlateStyle
 from lappet.plates.plate_words import PlateWords
+from lappet.plates.section_drawing import section_drawing, section_line, section_projection
 
 LABEL_SIZE = 7.0 * POINT  # the least that publishers print
 LINE = 1.2  # times the size of a text
 _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
+_UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
 _KINDS = tuple(AreaKind)
+_PLANS = (StepKind.PLAN, StepKind.PLAN_EXCISION)
 _BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
 
 
@@ -53,6 +57,8 @@ class PagePanel:
         Lengths and angles.
     bar
         Length of the scale bar in mm of tissue, 0 for none.
+    goes_on
+        Whether skin is drawn where a cut-out of skin ends.
     """
 
     letter: str
@@ -64,6 +70,7 @@ class PagePanel:
     labels: tuple[PlacedLabel, ...]
     measures: tuple[Measure, ...]
     bar: float
+    goes_on: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,24 +127,42 @@ class PanelMaker:
         request, (row, k) = self.request, self.request.panels[index]
         scene, steps = self.scenes[row], request.rows[row].steps
         step = steps[k]
-        held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
-        later = _later(scene, steps, k) if request.arrows else ()
-        drawing = panel_drawing(scene, step.time, self.size, self.style, later, request.letters, held, request.mapped)
+        cut = None if request.section is None else SectionPlane.of(request.section)
+        drawing, areas = self._drawing(scene, steps, k, cut)
         letter = ascii_uppercase[index]
-        sites = label_sites(drawing) if request.labels else {}
+        sites = label_sites(drawing, areas) if request.labels else {}
         fresh = {key: site for key, site in sites.items() if key not in told}
         told.update(fresh)
         named = [(self.words(key), site) for key, site in fresh.items()]
-        named += _landmarks(scene, drawing, request.landmarks, self.size)
-        widths = [self.font.width(text, LABEL_SIZE) for text, _ in named]
-        labels = place_labels(named, widths, self.size, LINE * LABEL_SIZE, _taken(drawing), letter)
+        if areas is AREA_LABELS:
+            named += _landmarks(scene, drawing, request.landmarks, self.size)
         measures: list[Measure] = []
-        if step.kind in (StepKind.PLAN, StepKind.PLAN_EXCISION) and request.measures:
+        if step.kind in _PLANS and request.measures:
             letters = [each.at for each in drawing.letters]
             measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+        widths = [self.font.width(text, LABEL_SIZE) for text, _ in named]
+        taken = np.vstack([_taken(drawing), *(each.at + _UNDER_TEXT for each in measures)])
+        labels = place_labels(named, widths, self.size, LINE * LABEL_SIZE, taken, letter)
         fitting = [each for each in _BARS if each * drawing.projection.scale <= 0.3 * self.size[0]]
         bar = max(fitting, default=0.0) if index == 0 else 0.0
-        return PagePanel(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures), bar)
+        goes_on = scene.goes_on and areas is AREA_LABELS
+        return PagePanel(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures), bar, goes_on)
+
+    def _drawing(
+        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, cut: SectionPlane | None
+    ) -> tuple[PanelDrawing, Mapping[AreaKind, str]]:
+        """The drawing of a panel and the words for its areas."""
+        request, step = self.request, steps[index]
+        held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
+        if cut is not None and step.kind not in _PLANS:
+            projection = section_projection(scene, cut, self.size)
+            return section_drawing(scene, cut, projection, step.time, held), SECTION_LABELS
+        later = _later(scene, steps, index) if request.arrows else ()
+        more = [] if cut is None else section_line(scene, cut, step.time)
+        drawing = panel_drawing(
+            scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more
+        )
+        return drawing, AREA_LABELS
 
 
 def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[float]:

@@ -50,6 +50,8 @@ class PlateRequest:
         Whether hooks are drawn.
     landmarks
         Labels of the landmarks that are named on every panel on which they are seen.
+    section
+        A point in mm and a normal: all panels but that of the plan show the section there. None for no section.
     mapped
         A quantity of the skin that is mapped in color, one of `lappet.drawing.skin_source.SCALARS`, or None.
     """
@@ -65,6 +67,7 @@ class PlateRequest:
     measures: bool = True
     instruments: bool = True
     landmarks: tuple[str, ...] = ()
+    section: tuple[float, ...] | None = None
     mapped: str | None = None
 
     @property

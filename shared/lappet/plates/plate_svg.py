@@ -119,7 +119,7 @@ def _round(values: Any) -> list[float]:
 
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
     if style.shading is Shading.FILLS and not page.key:
-        if panel.scene.goes_on:
+        if panel.goes_on:
             corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
         for area in panel.drawing.areas:
@@ -127,7 +127,7 @@ def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, 
     if style.shading is Shading.WASH or page.key:
         from PIL import Image
 
-        picture = wash(panel.drawing, panel.scene.light, style.fills, panel.scene.goes_on, dpi, page.full)
+        picture = wash(panel.drawing, panel.scene.light, style.fills, panel.goes_on, dpi, page.full)
         buffer = io.BytesIO()
         Image.fromarray(picture).save(buffer, "PNG")
         data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
