@@ -220,24 +220,6 @@ def with_errors(fine: FrameMeasures, coarse: FrameMeasures, reckoning: Reckoning
     return FrameMeasures(sutures, sums, hooks, seams, _of_tension(fine.mean_tension, coarse.mean_tension, reckoning))
 
 
-def coarse_share(fine: FrameMeasures, coarse: FrameMeasures) -> float | None:
-    """Divide what all sutures pull with in the coarse program by what they pull with in the frame.
-
-    Parameters
-    ----------
-    fine
-        What is measured at the frame.
-    coarse
-        What is measured at the frame of the coarse program.
-
-    Returns
-    -------
-    float | None
-        The quotient over the sutures that both lattices resolve; None where there are none.
-    """
-    return _Ratios(fine.sutures, {row.suture: row.force_mn for row in coarse.sutures if row.resolved}).of()
-
-
 class _Ratios:
     """The forces of the coarse program over those of the frame, summed over sutures that both resolve."""
 
@@ -270,7 +252,9 @@ def _of_hook(row: HookForce, pulls: Mapping[str, float], reckoning: Reckoning) -
 def _of_sums(sums: ForceSums, seams: Sequence[SeamState], ratios: _Ratios, reckoning: Reckoning) -> ForceSums:
     scars = {closure: _relative_length(state.measure) for state in seams for closure in state.closures}
     closures = (_of_closure(each, reckoning.of_ratio(ratios.of([each.closure])), scars) for each in sums.closures)
-    return replace(sums, closures=tuple(closures), total_error_mn=sums.total_mn * reckoning.of_ratio(ratios.of()))
+    total = ratios.of()
+    error = sums.total_mn * reckoning.of_ratio(total)
+    return replace(sums, closures=tuple(closures), total_error_mn=error, coarse_share=total)
 
 
 def _of_closure(closure: ClosureForces, relative: float, scars: Mapping[str, float]) -> ClosureForces:
