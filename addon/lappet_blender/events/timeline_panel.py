@@ -137,7 +137,7 @@ def draw_flap(layout: Any, scene: bpy.types.Scene) -> None:
     if design is None:
         return
     row = layout.row(align=True)
-    row.label(text=f"Of the flap {flap}", icon_value=thumbnail(design.name))
+    row.label(text=flap, icon_value=thumbnail(design.name))
     edit = row.operator(f"lappet.flap_edit_{design.name.replace('-', '_')}", text="Edit", icon="GREASEPENCIL")
     edit.flap = flap
     row.operator("lappet.flap_remove", text="", icon="X").flap = flap
