@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
@@ -119,9 +120,10 @@ class Grid:
     def template_icon(self, icon_value: int, scale: float) -> None:
         self.drawn.append(icon_value)
 
-    def operator(self, name: str, text: str) -> None:
+    def operator(self, name: str, text: str = "", icon: str = "") -> None:
         assert name.startswith("lappet.flap_")
-        self.drawn.append(text)
+        if text:
+            self.drawn.append(text)
 
 
 def test_the_library_shows_every_design_by_a_picture_of_its_plan_and_its_name() -> None:
@@ -230,3 +232,41 @@ def test_a_cursor_that_is_not_on_the_skin_is_refused(patch: bpy.types.Scene) -> 
         ProblemCode.DESIGN_CROSSES
     )
     assert len(patch.lappet.events) == 0
+
+
+def test_plans_of_all_designs_are_assets_with_a_picture_and_a_catalog(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    scene.unit_settings.scale_length = 0.001
+    assert ops.flap_assets(directory=str(tmp_path)) == {"FINISHED"}
+    assert bpy.context.preferences.filepaths.asset_libraries["Lappet Flaps"].path == str(tmp_path)
+    with bpy.data.libraries.load(str(tmp_path / "flaps.blend"), assets_only=True) as (there, wanted):
+        assert sorted(there.objects) == sorted(design.title for design in DESIGNS.values())
+        wanted.objects = ["Limberg flap"]
+    (plan,) = wanted.objects
+    catalog = (tmp_path / "blender_assets.cats.txt").read_text(encoding="utf-8")
+    assert f"{plan.asset_data.catalog_id}:Lappet/Flaps:" in catalog
+    pixels = np.array(plan.preview.image_pixels_float).reshape(SIZE, SIZE, 4)
+    assert (pixels[..., 3] == 1.0).all()
+    assert np.ptp(pixels[..., 1]) > 0.3
+    corners = np.array([tuple(point.co[:2]) for point in plan.data.splines[0].points])
+    assert np.ptp(corners[:, 1]) == pytest.approx(18.0 * np.sqrt(3.0), rel=1e-4)  # mm: of a rhombus of 60 degrees
+
+
+def test_a_plan_that_was_dragged_onto_the_skin_becomes_the_flap_that_it_shows(
+    patch: bpy.types.Scene, tmp_path: Path
+) -> None:
+    assert ops.flap_assets(directory=str(tmp_path)) == {"FINISHED"}
+    with bpy.data.libraries.load(str(tmp_path / "flaps.blend")) as (_, wanted):
+        wanted.objects = ["Limberg flap"]
+    (plan,) = wanted.objects
+    patch.collection.objects.link(plan)
+    bpy.context.view_layer.objects.active = plan
+    plan.location, plan.rotation_euler, plan.scale = (-15.0, 5.0, TOP), (0.0, 0.0, np.pi / 2), (0.5, 0.5, 0.5)
+    assert ops.flap_from_plan() == {"FINISHED"}
+    procedure = read_scene(patch).procedure
+    assert procedure is not None
+    (laid,) = procedure.flaps
+    assert (laid.design, dict(laid.measures), laid.mirrored) == ("limberg", {"side": 9.0}, False)
+    assert laid.at == pytest.approx((-15.0, 5.0, TOP))
+    assert laid.direction == pytest.approx((0.0, 1.0, 0.0), abs=1e-5)  # along the object's x axis
+    assert "Limberg flap" not in patch.objects
+    assert not ops.flap_from_plan.poll()

@@ -41,6 +41,7 @@ def scenario(blender: Driver) -> Steps:
     with blender.override():
         bpy.ops.lappet.flap_limberg("EXEC_DEFAULT", True, side=SIDE, at=height(*START), lines="X", time=1)
     yield 0.5
+    yield from blender.show_tab("Lappet")
     yield from blender.screenshot("handles")
     at = handle(blender, "place")
     yield from blender.move(at)

@@ -1,7 +1,5 @@
 """An operator for each design of the flap library, which adds the whole operation; their menu, and them as pictures."""
 
-import math
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import bpy
@@ -23,12 +21,11 @@ from lappet.tissue.skin_sheet import SkinSheet
 from ..interface.operator_base import OperatorBase
 from ..interface.problem_sentence import problem_sentence
 from ..model.event_list import find_event, remove_event
-from ..model.laid_flaps import active_flap, keep_flap
+from ..model.laid_flaps import active_flap
 from ..model.units import to_mm
-from .add_events import add_events
 from .event_check import tissue_of
 from .flap_mark import marked_outline_of
-from .flap_relay import remove_flap, scene_procedure
+from .flap_relay import put_flap, remove_flap, scene_procedure
 from .flap_thumbnails import thumbnail
 from .operator_values import given
 
@@ -82,20 +79,12 @@ class _FlapAdd(OperatorBase):
             start=start,
             lines=self._follows(procedure),
         )
-        before = len(procedure.events)
-        last = scene.frame_end
-        scene.frame_end = max(last, math.ceil(flap.end_time))
-        try:
-            names = add_events(scene, flap.events[before:])
-        except RefusedError:
-            scene.frame_end = last
-            raise
-        keep_flap(scene, replace(flap.flaps[-1], events=names))
+        count = put_flap(scene, procedure, flap)
         if self.fit:
             _take_away(scene, procedure, without_drawn(procedure, outline))
         for found in narrow_flaps(flap, set()):
             self.report({"WARNING"}, problem_sentence(found))
-        return f"{self.design.title}: {len(flap.events) - before} events."
+        return f"{self.design.title}: {count} events."
 
     def _direction(self, procedure: Procedure, at: NDArray[np.float64]) -> NDArray[np.float64]:
         """The direction in mm before it is turned by `turned`."""
@@ -228,6 +217,7 @@ class VIEW3D_PT_lappet_flaps(bpy.types.Panel):
             cell = grid.column(align=True)
             cell.template_icon(icon_value=thumbnail(operator.design.name), scale=4.5)
             cell.operator(operator.bl_idname, text=operator.design.title)
+        layout.operator("lappet.flap_assets", icon="ASSET_MANAGER")
 
 
 OPERATORS = tuple(_operator(design) for design in DESIGNS.values())

@@ -27,6 +27,22 @@ def scene_procedure(scene: bpy.types.Scene) -> Procedure:
     return reading.procedure
 
 
+def put_flap(scene: bpy.types.Scene, before: Procedure, after: Procedure) -> int:
+    """Put the flap that was laid last into the scene, and return the number of its events.
+
+    before, after: what the scene holds, and that with the flap. Raises RefusedError, with the scene as it was.
+    """
+    last = scene.frame_end
+    scene.frame_end = max(last, math.ceil(after.end_time))
+    try:
+        names = add_events(scene, after.events[len(before.events) :])
+    except RefusedError:
+        scene.frame_end = last
+        raise
+    keep_flap(scene, replace(after.flaps[-1], events=names))
+    return len(names)
+
+
 def relay_flap(scene: bpy.types.Scene, procedure: Procedure, flap: LaidFlap) -> tuple[Procedure, list[Problem]]:
     """Lay a flap of the scene anew, as `flap` has it; the event that was active stays so.
 

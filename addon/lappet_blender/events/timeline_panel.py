@@ -16,6 +16,7 @@ from ..model.event_list import event_end, event_time, sorted_events
 from ..model.event_target import is_there
 from ..model.laid_flaps import active_flap, design_of
 from ..solving.frames import frame_state, pull_of, pulls_of_run
+from .flap_assets import DESIGN
 from .flap_thumbnails import thumbnail
 from .run_preview import stitches_of
 
@@ -119,6 +120,8 @@ class LAPPET_PT_timeline(SidebarPanel, bpy.types.Panel):
         side.separator()
         side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
         layout.popover("VIEW3D_PT_lappet_flaps", text="Flap Library", icon="ASSET_MANAGER")
+        if context.object is not None and DESIGN in context.object:
+            layout.operator("lappet.flap_from_plan", icon="CHECKMARK")
         if not len(data.events):
             layout.label(text="Draw an incision to start.", icon="INFO")
             return
@@ -134,7 +137,7 @@ def draw_flap(layout: Any, scene: bpy.types.Scene) -> None:
     if design is None:
         return
     row = layout.row(align=True)
-    row.label(text=f"Of the flap {flap}", icon_value=thumbnail(design.name))
+    row.label(text=flap, icon_value=thumbnail(design.name))
     edit = row.operator(f"lappet.flap_edit_{design.name.replace('-', '_')}", text="Edit", icon="GREASEPENCIL")
     edit.flap = flap
     row.operator("lappet.flap_remove", text="", icon="X").flap = flap
