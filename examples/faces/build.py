@@ -68,9 +68,7 @@ OPERATIONS = {
     "limb_keystone": Operation(
         "limb", "keystone", (-124.0, 95.0, -130.0), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
     ),
-    "web_z_plasty": Operation(
-        "web-space", "z-plasty", (-447.0, 259.5, 167.0), (-1.0, 0.1, 0.1), {"limb": 11.0}, scar=(26.0, 4.0)
-    ),
+    "web_z_plasty": Operation("web-space", "z-plasty", (-447.0, 259.5, 167.0), (-1.0, 0.1, 0.1), {"limb": 8.0}),
     "neck_z_plasty": Operation(
         "neck", "z-plasty", (0.0, 75.0, 592.0), (0.0, 0.0, 1.0), {"limb": 15.0}, scar=(44.0, 6.0)
     ),
