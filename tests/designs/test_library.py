@@ -11,11 +11,11 @@ from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.designs import FlapDesign, Row, Schedule, Technique, limberg
 from lappet.designs.flat_curves import arc, bow, length, s_curve
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import DESIGNS, library_design
 from lappet.designs.library_operation import (
     add_flap,
     flap_on_patch,
-    flap_on_skin,
     landmark_place,
     skin_line_direction,
     thickness_at,

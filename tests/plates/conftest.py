@@ -10,7 +10,8 @@ import synthetic_skin_cache as synthetic
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import PlatePage, PlateRequest, plate_page
+from lappet.plates.plate_page import PlatePage, plate_page
+from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_words import plate_words
 
@@ -36,5 +37,5 @@ def font() -> PlateFont:
 @pytest.fixture(scope="session")
 def page(cache: SkinCache, font: PlateFont) -> PlatePage:
     """A plate of all steps in ink."""
-    request = PlateRequest(chosen_steps(cache), {})
-    return plate_page(cache, request, plate_style("ink"), plate_words("en"), font)
+    request = PlateRequest((PlateRow(cache, chosen_steps(cache)),), {})
+    return plate_page(request, plate_style("ink"), plate_words("en"), font)

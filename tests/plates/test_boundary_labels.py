@@ -41,6 +41,7 @@ def test_no_leader_crosses_another_or_a_text_and_no_texts_overlap(seed: int) -> 
     panel = box(-0.5 * SIZE[0], -0.5 * SIZE[1], 0.5 * SIZE[0], 0.5 * SIZE[1])
     for a in range(len(labels)):
         assert panel.contains(texts[a])
+        assert not leaders[a].crosses(texts[a])
         for b in range(len(labels)):
             if a != b:
                 assert not leaders[a].crosses(leaders[b])

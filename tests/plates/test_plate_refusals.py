@@ -12,28 +12,31 @@ from lappet.drawing.skin_read import SkinCache
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import check_format
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import PlateRequest, plate_page
+from lappet.plates.plate_page import plate_page
+from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_words import LANGUAGES, plate_words
 from refusals import refuses
 
 
 def test_a_width_that_no_page_has_is_refused(cache: SkinCache, font: PlateFont) -> None:
-    request = PlateRequest(chosen_steps(cache), {}, width=12.0)
+    request = PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}, width=12.0)
     with refuses(ProblemCode.PLATE_WIDTH) as problems:
-        plate_page(cache, request, plate_style("ink"), plate_words("en"), font)
+        plate_page(request, plate_style("ink"), plate_words("en"), font)
     assert problems[0].value == "12.0"
 
 
 def test_panels_too_narrow_for_their_labels_are_refused(cache: SkinCache, font: PlateFont) -> None:
-    request = PlateRequest(chosen_steps(cache), {}, width=60.0, columns=4)
+    request = PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}, width=60.0, columns=4)
     with refuses(ProblemCode.PLATE_LABEL_WIDE):
-        plate_page(cache, request, plate_style("ink"), plate_words("en"), font)
+        plate_page(request, plate_style("ink"), plate_words("en"), font)
 
 
 def test_a_font_without_a_character_is_refused(cache: SkinCache, font: PlateFont) -> None:
     with refuses(ProblemCode.PLATE_FONT_LACKS) as problems:
-        plate_page(cache, PlateRequest(chosen_steps(cache), {}), plate_style("ink"), plate_words("zh"), font)
+        plate_page(
+            PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}), plate_style("ink"), plate_words("zh"), font
+        )
     assert problems[0].value in "".join(plate_words("zh").texts.values())
 
 
@@ -56,6 +59,13 @@ def test_a_frame_that_is_not_in_the_cache_is_refused(cache: SkinCache) -> None:
     with refuses(ProblemCode.PLATE_CACHE) as problems:
         chosen_steps(cache, (9999.0,))
     assert problems[0].value == "9999.0"
+
+
+def test_a_landmark_that_is_not_there_is_refused_with_those_that_are(cache: SkinCache, font: PlateFont) -> None:
+    request = PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}, landmarks=("nose",))
+    with refuses(ProblemCode.PLATE_LANDMARK) as problems:
+        plate_page(request, plate_style("ink"), plate_words("en"), font)
+    assert "left apex" in problems[0].remedy
 
 
 def test_a_file_that_is_no_cache_is_refused(cache_file: Path) -> None:

@@ -9,11 +9,14 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from lappet.drawing.quantity_scale import frame_peak, full_value
 from lappet.drawing.skin_read import SkinCache
-from lappet.plates.plate_cache import chosen_steps
+from lappet.drawing.skin_source import SCALARS
+from lappet.plates.plate_cache import chosen_steps, compared_steps
 from lappet.plates.plate_files import write_plate
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import PlatePage, PlateRequest, plate_page
+from lappet.plates.plate_page import PlatePage, plate_page
+from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_steps import StepKind
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_svg import plate_svg
@@ -44,7 +47,9 @@ def test_ink_and_schematic_plates_have_no_image_and_a_wash_has_one_a_panel(page:
 
 
 def test_the_same_plate_gives_the_same_bytes(cache: SkinCache, ink: str, font: PlateFont) -> None:
-    again = plate_page(cache, PlateRequest(chosen_steps(cache), {}), plate_style("ink"), plate_words("en"), PlateFont())
+    again = plate_page(
+        PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}), plate_style("ink"), plate_words("en"), PlateFont()
+    )
     assert plate_svg(again, plate_style("ink"), font, 300) == ink
 
 
@@ -74,10 +79,10 @@ def test_letters_ride_on_the_tissue(page: PlatePage, cache: SkinCache) -> None:
     last = page.panels[-1]
     letters = {each.text: each.at for each in last.drawing.letters}
     assert letters
-    for corner, kept in zip(page.scene.corners, page.scene.kept, strict=True):
+    for corner, kept in zip(last.scene.corners, last.scene.kept, strict=True):
         if corner.letter in letters:
             inset = 3.2 / last.drawing.projection.scale
-            place = page.scene.on_skin(corner.inset(inset, kept)[None], last.step.time)
+            place = last.scene.on_skin(corner.inset(inset, kept)[None], last.step.time)
             assert last.drawing.projection.paper(place)[0][0] == pytest.approx(letters[corner.letter])
 
 
@@ -109,3 +114,41 @@ def test_a_png_and_a_tiff_have_the_size_in_print(page: PlatePage, ink: str, font
             assert picture.size[0] == pytest.approx(174.0 / 25.4 * 150, abs=1.5)
             assert picture.info["dpi"][0] == pytest.approx(150, abs=0.1)
             assert np.asarray(picture.convert("L")).min() < 60  # something is drawn
+
+
+def test_procedures_that_are_compared_are_drawn_at_one_scale(cache: SkinCache, font: PlateFont) -> None:
+    steps = compared_steps(cache)
+    rows = tuple(PlateRow(cache, steps, title) for title in ("first", "second"))
+    page = plate_page(PlateRequest(rows, {}, columns=2), plate_style("schematic"), plate_words("en"), font)
+    assert [panel.caption[0].split(":")[0] for panel in page.panels] == ["first", "first", "second", "second"]
+    assert len({round(panel.drawing.projection.scale, 9) for panel in page.panels}) == 1
+    assert {panel.step.time for panel in page.panels} == {cache.frames[0], steps[-1].time}
+
+
+def test_a_map_has_a_key_whose_top_is_what_the_skin_reaches(cache: SkinCache, font: PlateFont) -> None:
+    rows = (PlateRow(cache, chosen_steps(cache)),)
+    mapped = next(name for name in SCALARS if cache.scalar(cache.epochs[-1], name, cache.frames[-1]) is not None)
+    page = plate_page(PlateRequest(rows, {}, mapped=mapped), plate_style("ink"), plate_words("en"), font)
+    peaks = [
+        frame_peak(found)
+        for panel in page.panels
+        if (found := cache.scalar(cache.epoch_at(panel.step.time), mapped, panel.step.time)) is not None
+    ]
+    assert page.full == full_value(max(peaks))
+    assert set(page.key) <= {"".join(each.itertext()) for each in ET.fromstring(svg_of(page, font)).iter(f"{SVG}text")}
+
+
+def test_a_landmark_is_named_where_the_solve_has_carried_it(cache: SkinCache, font: PlateFont) -> None:
+    label = "left apex"
+    rows = (PlateRow(cache, chosen_steps(cache, (cache.frames[0], cache.frames[-1]))),)
+    request = PlateRequest(rows, {}, labels=False, landmarks=(label,))
+    page = plate_page(request, plate_style("schematic"), plate_words("en"), font)
+    for panel in page.panels:
+        (found,) = panel.labels
+        place = cache.named_landmarks(panel.step.time)[label]
+        assert found.text == label
+        assert found.site == pytest.approx(panel.drawing.projection.paper(place[None])[0][0])
+
+
+def svg_of(page: PlatePage, font: PlateFont) -> str:
+    return plate_svg(page, plate_style("ink"), font, 72)

@@ -28,6 +28,7 @@ if hasattr(bpy.utils, "expose_bundled_modules"):
 from lappet.drawing.figure_steps import Step, hook_height, step_captions, story_steps
 from lappet.drawing.framing import VIEWS, SurgicalField, Viewpoint, half_angles, surgical_field, viewpoint, widened
 from lappet.drawing.hook_steel import HookSteel
+from lappet.drawing.section_plane import SectionPlane
 from lappet.drawing.skin_marks import SkinMarks
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import SCALARS, FigureError
@@ -36,7 +37,6 @@ from lappet.drawing.wound_edge import WoundEdge
 from lappet.procedure import VESSEL_KINDS
 
 from ..look.scenery import add_scenery
-from ..look.section_plane import SectionPlane
 from ..look.skin_import import Bed, SkinObject
 from ..look.skin_material import (
     TRANSLUCENT,

@@ -7,13 +7,14 @@ from typing import Any
 
 import click
 
-from lappet.commands.parameters import FILE, FrameList
+from lappet.commands.parameters import FILE, FrameList, PlaneNumbers
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
 
 _STYLES = ("ink", "schematic", "halftone", "wash")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
+_MAPS = ("tension", "strain", "stress")
 _VIEWS = ("oblique", "top", "low")
 
 
@@ -49,7 +50,7 @@ class PanelCaption(click.ParamType):
 
 
 @click.command()
-@click.argument("cache", type=FILE)
+@click.argument("caches", type=FILE, nargs=-1, required=True)
 @click.option(
     "-o", "--output", "picture", type=FILE, required=True, help="The plate (.svg, .pdf, .png, .tif or .tiff)."
 )
@@ -65,9 +66,16 @@ class PanelCaption(click.ParamType):
 )
 @click.option("--language", type=click.Choice(_LANGUAGES), default="en", show_default=True)
 @click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
-@click.option("--font", "font_file", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
+@click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
 @click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process, for a TIFF in CMYK.")
 @click.option("--transparent", is_flag=True, help="Leave the paper out.")
+@click.option(
+    "--section", type=PlaneNumbers(), help="Show a cross-section in every panel but the plan: a point in mm, a normal."
+)
+@click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
+@click.option(
+    "--landmark", "landmarks", multiple=True, metavar="LABEL", help="A landmark that is named where it is seen."
+)
 @click.option("--labels/--no-labels", default=True, show_default=True, help="Names with leaders.")
 @click.option("--letters/--no-letters", default=True, show_default=True, help="Letters at the corners of cuts.")
 @click.option("--arrows/--no-arrows", default=True, show_default=True, help="Ways of the flaps.")
@@ -78,36 +86,27 @@ class PanelCaption(click.ParamType):
 def plate(
     context: click.Context,
     /,
-    cache: Path,
+    caches: tuple[Path, ...],
     picture: Path,
     style: str,
     tone: int | None,
     frames: tuple[float, ...] | None,
     captions: tuple[tuple[int, str], ...],
-    own: Path | None,
     language: str,
-    font_file: Path | None,
+    own: Path | None,
+    font: Path | None,
     dpi: int,
     profile: Path | None,
     transparent: bool,
     limits: ReadLimits,
     **shown: Any,
 ) -> None:
-    """Draw a plate of a solved procedure: its steps as line drawings with captions, labels, arrows and measures."""
+    """Draw a plate: the steps of a solved procedure with captions, labels and measures, or several side by side."""
     with sentences(context):
-        from lappet.plates.plate_cache import chosen_steps, open_cache
-        from lappet.plates.plate_files import check_format, write_plate
-        from lappet.plates.plate_font import PlateFont
-        from lappet.plates.plate_page import PlateRequest, plate_page
-        from lappet.plates.plate_style import plate_style
-        from lappet.plates.plate_svg import plate_svg
-        from lappet.plates.plate_words import plate_words
+        from lappet.plates.draw_plate import PlateOptions, draw_plate
 
-        check_format(picture, profile)
-        words, font, look = plate_words(language, own), PlateFont(font_file), plate_style(style, tone)
-        source = open_cache(cache, limits)
-        request = PlateRequest(chosen_steps(source, frames), dict(captions), **shown)
-        page = plate_page(source, request, look, words, font)
-        svg = plate_svg(page, look, font, dpi, not transparent)
-        write_plate(svg, page.size, page.alt, font, picture, dpi, profile, transparent)
+        options = PlateOptions(
+            style, tone, frames, dict(captions), language, own, font, dpi, profile, transparent, shown
+        )
+        draw_plate(caches, [picture], options, limits)
         click.echo(picture)

@@ -130,6 +130,7 @@ def _parted(curve: NDArray[np.float64], end: float) -> tuple[NDArray[np.float64]
 
 _RIEGER = "R. A. Rieger, Plast. Reconstr. Surg. 40 (1967) 147"
 _PLACE = "chosen: what lies on a nose"
+_TIP = "chosen: less draws the tip up"
 DORSAL_NASAL = LibraryDesign(
     "dorsal-nasal",
     "Dorsal nasal flap (Rieger)",
@@ -139,7 +140,7 @@ DORSAL_NASAL = LibraryDesign(
         Parameter("length", "from the defect's middle to the glabellar apex", "mm", 60.0, 25.0, 90.0, _PLACE),
         Parameter("half_width", "from the middle line to the groove beside the nose", "mm", 14.0, 5.0, 25.0, _PLACE),
         Parameter("back_cut", "length of the back-cut", "mm", 24.0, 8.0, 40.0, "to above the inner canthus"),
-        Parameter("slide", "how far it slides, in diameters of the defect", "", 0.6, 0.35, 0.7, "chosen: less draws the tip up"),
+        Parameter("slide", "how far it slides, in diameters of the defect", "", 0.6, 0.35, 0.7, _TIP),
     ),
     dorsal_nasal_flap,
     "the middle of the defect",

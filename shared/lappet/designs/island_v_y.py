@@ -86,7 +86,6 @@ def island_v_y(
     tip = np.array([-0.5 * s - length * width, 0.0])
     middle = np.array([-0.5 * s - 0.3 * length * width, 0.0])
     arms = [segment(end, tip) for end in (base[0], base[-1])]
-    inward = np.array([0.6, 0.0])
     seams, stem, corners = [], [], []
     for arm, end, sign, name in ((arms[0], upper[0], 1.0, "left"), (arms[1], upper[-1], -1.0, "right")):
         beyond = np.array([0.0, 8.0 * sign * width])
@@ -96,13 +95,13 @@ def island_v_y(
         seams.append(Seam(name, (plane.edge_beside(arm, middle), plane.edge_beside(lip, beyond))))
         stem.append(plane.edge_beside(last[::-1], beyond))
         corners += [
-            Corner(f"base_{name}", plane.spot(arm[0], middle), plane.spot(end, end + (0.3 * s, 0.3 * sign * s))),
+            Corner(f"base_{name}", plane.spot(arm[0], middle), plane.spot(end, end + 0.3 * s * np.array([1.0, sign]))),
             Corner(f"tip_{name}", plane.spot(tip, middle), plane.spot(rest[-1], rest[-1] + 0.02 * beyond)),
         ]
     far = np.array([4.0 * length * width, 0.0])
     front = Seam("defect", (plane.edge_beside(base, middle), plane.edge_beside(upper, far)))
     ring = np.vstack([upper[:-1], segment(upper[-1], base[-1])[:-1], base[:0:-1], segment(base[0], upper[0])[:-1]])
-    nicks = [end + NICK * (inward + (0.0, -np.sign(end[1]))) for end in (base[0], base[-1])]
+    nicks = [end + NICK * np.array([0.6, -np.sign(end[1])]) for end in (base[0], base[-1])]
     return FlapDesign(
         (plane.excised("defect", ring, np.array([RISE * width, 0.0])),),
         (plane.points(polyline(nicks[0], base[0], tip, base[-1], nicks[1])),),
@@ -122,7 +121,7 @@ ISLAND_V_Y = LibraryDesign(
     "A defect of the cheek, the upper lip or a finger's tip, filled with a triangle of skin on its own fat.",
     (
         Parameter("width", "width of the defect", "mm", 14.0, 4.0, 50.0, "chosen"),
-        Parameter("height", "height of the defect, in widths", "", 0.4, 0.15, 0.8, "what the island's fat lets it move"),
+        Parameter("height", "height of the defect, in widths", "", 0.4, 0.15, 0.8, "how far its fat lets it go"),
         Parameter("length", "length of the island, in widths", "", 2.2, 1.0, 3.0, _APEX),
     ),
     island_v_y,

@@ -201,8 +201,10 @@ class SkinCache(SkinSource):
         labels = skin.GetAttribute("primvars:label").Get() if skin else None
         held = min((e.start for e in self.events if e.kind in ("Hook", "Retractor", "Suture")), default=first)
         rest = self.rest(epoch)
-        if labels is not None and index < len(labels) and (first <= held or epoch.name in self._at_rest):
-            prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{labels[index]}")
+        label = labels[index] if labels is not None and index < len(labels) else ""
+        single = bool(label) and "/" not in label  # a stitch of a run has no prim of its own
+        if single and (first <= held or epoch.name in self._at_rest):
+            prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{label}")
             anchors = prim.GetAttribute("lappet:anchors").Get() if prim else None
             if anchors is not None and len(anchors) == 2:
                 return rest, np.asarray(anchors, np.float32) * np.float32(self._mm)
@@ -244,6 +246,28 @@ class SkinCache(SkinSource):
         prim = self._stage.GetPrimAtPath("/Procedure/Skin/Landmarks")
         points = prim.GetAttribute("points").Get(time) if prim else None
         return np.asarray(points if points is not None else [], np.float32).reshape(-1, 3) * np.float32(self._mm)
+
+    def named_landmarks(self, time: float) -> dict[str, NDArray[np.float64]]:
+        """Read the landmarks that are on the tissue at a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        dict[str, NDArray[np.float64]]
+            Their places in mm, shape (3,), by label; those whose tissue is gone are left out.
+        """
+        prim = self._stage.GetPrimAtPath("/Procedure/Skin/Landmarks")
+        labels = list(prim.GetAttribute("primvars:label").Get() or ()) if prim else []
+        points = self.landmarks(time).astype(np.float64)
+        active = prim.GetAttribute("primvars:active").Get(time) if prim else None
+        flags = [True] * len(labels) if active is None else [bool(each) for each in active]
+        if not len(labels) == len(points) == len(flags):
+            return {}
+        return {label: place for label, place, on in zip(labels, points, flags, strict=True) if on}
 
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
         return self._curves("Incision", step)

@@ -22,7 +22,7 @@ _ROW = 1.25  # distance of two ports in lines of text
 _GAP = 0.4  # between a text and its leader, in lines
 _MARGIN = 0.4  # between a text and the panel's side, in lines
 _ROUNDS = 60
-_COVERS = 1e3  # mm that a text over what is taken costs
+_COVERS = 1e3  # mm that a text over what is taken, or over its own leader, costs
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +130,9 @@ def _ports(
         low, high = np.minimum(inner, outer), np.maximum(inner, outer)
         boxes[:, own] = np.stack(np.broadcast_arrays(low, y - 0.5 * line, high, y + 0.5 * line), axis=-1)
     cost = np.linalg.norm(ends - sites[:, None], axis=2)
+    for k, site in enumerate(sites):
+        own = [_meets(site, ends[k, port], boxes[k, port]) for port in range(2 * rows)]
+        cost[k] += _COVERS * np.array(own)  # a leader that runs back below its own text
     if taken is not None and len(taken):
         for k in range(len(sites)):
             box = boxes[k][:, None]

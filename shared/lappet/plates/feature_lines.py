@@ -26,6 +26,7 @@ class LineKind(StrEnum):
     VESSEL = "vessel"
     HATCHING = "hatching"
     SKIN_LINE = "skin-line"
+    SECTION = "section"
 
 
 @dataclass(frozen=True, eq=False)

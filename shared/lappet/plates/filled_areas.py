@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import pairwise
 from typing import cast
@@ -72,6 +72,8 @@ class SeenPixels:
         Index of the kind of area in `AreaKind`, -1 for none, shape (h, w).
     x, y
         Middles of the columns and rows in mm on paper, shapes (w,) and (h,).
+    quantity
+        The quantity that is mapped, NaN where there is no skin of the tissue, shape (h, w); None for no map.
     """
 
     triangle: NDArray[np.int64]
@@ -79,6 +81,7 @@ class SeenPixels:
     kind: NDArray[np.int64]
     x: NDArray[np.float64]
     y: NDArray[np.float64]
+    quantity: NDArray[np.float64] | None = None
 
 
 _ORDER = tuple(AreaKind)
@@ -86,7 +89,11 @@ _SCENERY = np.array([_ORDER.index(AreaKind(kind)) for kind in SCENERY_KINDS])
 
 
 def seen_pixels(
-    surface: DrawnSurface, projection: Projection, screen: ScreenTriangles, layers: TissueLayers
+    surface: DrawnSurface,
+    projection: Projection,
+    screen: ScreenTriangles,
+    layers: TissueLayers,
+    mapped: NDArray[np.floating] | None = None,
 ) -> SeenPixels:
     """Look at every pixel of a panel.
 
@@ -100,6 +107,8 @@ def seen_pixels(
         The surface on that paper.
     layers
         The layers of the tissue.
+    mapped
+        A quantity at the vertices of the tissue, shape (n,), or None.
 
     Returns
     -------
@@ -123,7 +132,7 @@ def seen_pixels(
         -1,
     )
     wall = origin == FaceOrigin.WOUND_WALL
-    below = _depth_below(surface, projection, triangle[hit][wall], places[hit][wall])
+    below = _at_places(surface, surface.depth, projection, triangle[hit][wall], places[hit][wall])
     kinds[wall] = wall_kinds(below, surface.column[triangle[hit][wall]], layers)
     kind[hit] = kinds
     if (surface.origin >= SCENERY).any():  # through a nostril or between lips the inside of what is shown is seen
@@ -133,7 +142,14 @@ def seen_pixels(
         back = ScreenTriangles(paper, away, inside, _CELL, behind=True).nearest(places[empty])[0] >= 0
         kind[empty[back]] = _ORDER.index(AreaKind.HOLLOW)
     shape = (len(y), len(x))
-    return SeenPixels(triangle.reshape(shape), depth.reshape(shape), kind.reshape(shape), x, y)
+    pixels = SeenPixels(triangle.reshape(shape), depth.reshape(shape), kind.reshape(shape), x, y)
+    if mapped is None:
+        return pixels
+    quantity = np.full(len(places), np.nan)
+    skin = np.flatnonzero(hit)[origin == FaceOrigin.SKIN]
+    values = np.concatenate([mapped, np.full(len(surface.points) - len(mapped), np.nan)])
+    quantity[skin] = _at_places(surface, values, projection, triangle[skin], places[skin])
+    return replace(pixels, quantity=quantity.reshape(shape))
 
 
 def wall_kinds(below: NDArray[np.float64], column: NDArray[np.int64], layers: TissueLayers) -> NDArray[np.int64]:
@@ -160,10 +176,14 @@ def wall_kinds(below: NDArray[np.float64], column: NDArray[np.int64], layers: Ti
     return found
 
 
-def _depth_below(
-    surface: DrawnSurface, projection: Projection, triangle: NDArray[np.int64], places: NDArray[np.float64]
+def _at_places(
+    surface: DrawnSurface,
+    values: NDArray[np.floating],
+    projection: Projection,
+    triangle: NDArray[np.int64],
+    places: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """How deep below the skin places on the paper lie that show some triangles, mm."""
+    """What values at the vertices (n,) are at places on the paper (k, 2) that show some triangles (k,)."""
     paper, depth = projection.paper(surface.points)
     corners = paper[surface.triangles[triangle]]
     first, second, away = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], places - corners[:, 0]
@@ -173,8 +193,8 @@ def _depth_below(
     # Weights on the paper are those on the tissue over the depths of the corners.
     weights = np.stack([1.0 - u - v, u, v], axis=1) / depth[surface.triangles[triangle]]
     weights /= weights.sum(axis=1, keepdims=True)
-    below: NDArray[np.float64] = (weights * surface.depth[surface.triangles[triangle]]).sum(axis=1)
-    return below
+    found: NDArray[np.float64] = (weights * values[surface.triangles[triangle]]).sum(axis=1)
+    return found
 
 
 def filled_areas(pixels: SeenPixels) -> list[Area]:

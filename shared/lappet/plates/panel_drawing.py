@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from shapely import LineString, box
 
 from lappet.drawing.framing import half_angles
 from lappet.plates.drawn_surface import DrawnSurface, drawn_surface
-from lappet.plates.feature_lines import LineKind, surface_lines
+from lappet.plates.feature_lines import FeatureLine, LineKind, surface_lines
 from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, seen_pixels
 from lappet.plates.hatching import hatching
 from lappet.plates.plate_scene import PlateScene
@@ -29,6 +29,7 @@ _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
 _LEAST_LETTERS = 2  # a letter alone tells nothing
 _LEAST_AREA = 6.0  # mm² on paper of an area that is named
+_SHARES = np.linspace(0.08, 0.92, 13)  # of a stroke, at which a leader may end
 _LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
 AREA_LABELS = {
@@ -44,6 +45,13 @@ STROKE_LABELS = {
     LineKind.INSTRUMENT: "label.instrument",
     LineKind.THREAD: "label.thread",
     LineKind.VESSEL: "label.vessel",
+    LineKind.SECTION: "label.section",
+}
+# In a cross-section.
+SECTION_LABELS = {
+    AreaKind.WALL_SKIN: "section.skin",
+    AreaKind.WALL_FAT: "label.wall-fat",
+    AreaKind.WALL_DEEP: "label.wall-deep",
 }
 
 
@@ -93,6 +101,23 @@ class PanelDrawing:
     letters: tuple[Letter, ...]
     arrows: tuple[NDArray[np.float64], ...]
 
+    def depth_at(self, place: NDArray[np.float64]) -> float:
+        """Look up the depth of what is seen at a place.
+
+        Parameters
+        ----------
+        place
+            A place in mm on paper, shape (2,).
+
+        Returns
+        -------
+        float
+            The depth of the nearest pixel in mm; infinite where there is nothing.
+        """
+        column = int(np.argmin(np.abs(self.pixels.x - place[0])))
+        row = int(np.argmin(np.abs(self.pixels.y - place[1])))
+        return float(self.pixels.depth[row, column])
+
 
 def panel_drawing(
     scene: PlateScene,
@@ -102,6 +127,8 @@ def panel_drawing(
     later: Sequence[float] = (),
     letters: bool = True,
     instruments: bool = True,
+    mapped: str | None = None,
+    more: Sequence[FeatureLine] = (),
 ) -> PanelDrawing:
     """Draw a panel.
 
@@ -121,6 +148,10 @@ def panel_drawing(
         Whether corners have letters.
     instruments
         Whether hooks are drawn.
+    mapped
+        A quantity of the skin that is mapped, one of `lappet.drawing.skin_source.SCALARS`, or None.
+    more
+        Lines that are drawn besides.
 
     Returns
     -------
@@ -134,45 +165,56 @@ def panel_drawing(
     lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale) if style.hatched else []
     rough = [*lines, *surface_lines(surface, scene.view.position)]
     strokes = visible_strokes(rough, projection, screen)
-    strands = [each for each in scene.strands(time) if instruments or each.kind is not LineKind.INSTRUMENT]
+    strands = [*more, *scene.strands(time)]
+    strands = [each for each in strands if instruments or each.kind is not LineKind.INSTRUMENT]
     strokes += visible_strokes(strands, projection, screen, smooth=False)
-    pixels = seen_pixels(surface, projection, screen, scene.source.layers)
+    quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
+    pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
     return PanelDrawing(
         projection,
         surface,
         pixels,
         tuple(filled_areas(pixels)),
-        tuple(_clipped(strokes, size)),
+        tuple(clipped(strokes, size)),
         tuple(_letters(scene, time, projection, screen)) if letters else (),
         tuple(_arrows(scene, time, later, projection)),
     )
 
 
-def label_sites(drawing: PanelDrawing) -> dict[str, NDArray[np.float64]]:
+def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABELS) -> dict[str, NDArray[np.float64]]:
     """Find places to which labels of what is seen can lead.
 
     Parameters
     ----------
     drawing
         The panel.
+    areas
+        The catalogue's words for kinds of areas.
 
     Returns
     -------
     dict[str, NDArray[np.float64]]
-        By the label's key in the catalogue, a place in mm, shape (2,): inside the area, or on the longest stroke.
+        By the label's key in the catalogue, a place in mm, shape (2,): deep inside the area, or far out on a stroke.
     """
     sites: dict[str, NDArray[np.float64]] = {}
     for kind, key in STROKE_LABELS.items():
         own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
         lengths = [LineString(points).length for points in own]
         if own and sum(lengths) >= _LEAST_LENGTH:
-            longest = LineString(own[int(np.argmax(lengths))])
-            sites[key] = np.array(longest.interpolate(0.5, normalized=True).coords[0])
-    for area, key in AREA_LABELS.items():
+            sites[key] = _outermost(own)
+    for area, key in areas.items():
         place = _inside(drawing, area)
         if place is not None:
             sites[key] = place
     return sites
+
+
+def _outermost(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """The place on some strokes that is nearest to a side of the panel: no leader to it runs along a stroke."""
+    lines = [LineString(points) for points in courses]
+    places = [line.interpolate(share, normalized=True).coords[0] for line in lines for share in _SHARES]
+    found = np.array(places)
+    return np.asarray(found[int(np.argmax(np.abs(found[:, 0])))])
 
 
 def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None:
@@ -186,7 +228,21 @@ def _inside(drawing: PanelDrawing, kind: AreaKind) -> NDArray[np.float64] | None
     return np.array([pixels.x[deepest[1]], pixels.y[deepest[0]]])
 
 
-def _clipped(strokes: Sequence[Stroke], size: tuple[float, float]) -> list[Stroke]:
+def clipped(strokes: Sequence[Stroke], size: tuple[float, float]) -> list[Stroke]:
+    """Cut strokes off at the border of a panel.
+
+    Parameters
+    ----------
+    strokes
+        The strokes.
+    size
+        Width and height of the panel in mm.
+
+    Returns
+    -------
+    list[Stroke]
+        What lies inside.
+    """
     frame = box(-0.5 * size[0], -0.5 * size[1], 0.5 * size[0], 0.5 * size[1])
     inside = []
     for stroke in strokes:

@@ -15,8 +15,6 @@ from lappet.plates.plate_steps import PlateStep, StepKind, plate_steps
 from lappet.usd.procedure_file import CHILD
 from lappet.usd.stage_contents import ValueSizes
 
-MOST_PANELS = 26
-
 
 def open_cache(path: Path, limits: ReadLimits = DEFAULT_LIMITS) -> SkinCache:
     """Open a skin cache.
@@ -64,13 +62,11 @@ def chosen_steps(source: SkinSource, frames: tuple[float, ...] | None = None) ->
     Raises
     ------
     RefusedError
-        If there are too many, or a frame is not in the cache.
+        If a frame is not in the cache.
     """
     steps = plate_steps(source, surgical_field(source, (source.frames[0],)).normal)
     if frames is None:
         return tuple(steps)
-    if len(frames) > MOST_PANELS:
-        raise refused(ProblemCode.PLATE_FRAMES, "", len(frames), most=MOST_PANELS)
     for time in frames:
         try:
             source.epoch_at(time)
@@ -78,3 +74,20 @@ def chosen_steps(source: SkinSource, frames: tuple[float, ...] | None = None) ->
             raise refused(ProblemCode.PLATE_CACHE, "", time, reason=str(error)) from error
     known = {step.time: step for step in steps}
     return tuple(known.get(time, PlateStep(time, StepKind.FRAME)) for time in frames)
+
+
+def compared_steps(source: SkinSource) -> tuple[PlateStep, ...]:
+    """Choose the panels of a procedure on a plate that compares several.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+
+    Returns
+    -------
+    tuple[PlateStep, ...]
+        What is planned, and what comes of it.
+    """
+    steps = chosen_steps(source)
+    return (steps[0], steps[-1]) if len(steps) > 1 else steps

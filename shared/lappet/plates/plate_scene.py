@@ -58,7 +58,7 @@ class PlateScene:
         Rows right and up along the skin as the picture is seen, and the skin's normal, shape (3, 3).
     """
 
-    source: SkinSource
+    source: SkinCache
     field: SurgicalField
     view: Viewpoint
     scenery: tuple[SceneryMesh, ...]
@@ -196,6 +196,28 @@ def plate_scene(source: SkinCache, times: Sequence[float], view: str, size: tupl
         tuple(_kept(source, corner) for corner in corners),
         seen,
     )
+
+
+def at_one_scale(scenes: Sequence[PlateScene]) -> list[PlateScene]:
+    """Move cameras back so that all scenes are drawn at the scale of the largest.
+
+    Parameters
+    ----------
+    scenes
+        The scenes.
+
+    Returns
+    -------
+    list[PlateScene]
+        The same, each seen from the greatest distance of all.
+    """
+    far = max(scene.view.distance for scene in scenes)
+    moved = []
+    for scene in scenes:
+        back = (far - scene.view.distance) * scene.view.axes[2]
+        view = replace(scene.view, position=scene.view.position + back, distance=far)
+        moved.append(replace(scene, view=view))
+    return moved
 
 
 def _kept(source: SkinSource, corner: Corner) -> int:

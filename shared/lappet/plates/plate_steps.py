@@ -37,6 +37,14 @@ class StepKind(StrEnum):
     FRAME = "frame"
 
 
+CUTS = frozenset(
+    {
+        *(StepKind.INCISED, StepKind.EXCISED, StepKind.UNDERMINED),
+        *(StepKind.INCISED_UNDERMINED, StepKind.EXCISED_UNDERMINED),
+    }
+)
+
+
 @dataclass(frozen=True)
 class PlateStep:
     """A panel's frame and what it shows.

@@ -84,6 +84,7 @@ _PENS = {
     LineKind.VESSEL: Pen(0.5, "#a5231c"),
     LineKind.HATCHING: Pen(0.18, _INK),
     LineKind.SKIN_LINE: Pen(0.18, "#8a8478"),
+    LineKind.SECTION: Pen(0.3, "#8b1e1e", (2.4, 0.9, 0.5, 0.9)),
 }
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
 _EYES = {

@@ -14,16 +14,19 @@ import drawsvg
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.quantity_scale import ramp_display
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import Area, AreaKind
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import CAPTION_SIZE, LABEL_SIZE, LETTER_SIZE, LINE, PagePanel, PlatePage
+from lappet.plates.plate_page import CAPTION_SIZE, PlatePage
+from lappet.plates.plate_panel import LABEL_SIZE, LINE, PagePanel
 from lappet.plates.plate_style import POINT, PlateStyle, Shading
 from lappet.plates.wash import wash
 
 _INK = "#111111"
 _HALO = "#ffffff"
 _FINE = 0.5 * POINT  # the least width of a line in print
+_LETTER_SIZE = 8.5 * POINT
 _SITE = 0.35  # mm: radius of the dot at which a leader ends
 _HEAD = 2.2  # mm: length of an arrow's head
 _DIGITS = 3
@@ -115,16 +118,16 @@ def _round(values: Any) -> list[float]:
 
 
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
-    if style.shading is Shading.FILLS:
-        if page.scene.goes_on:
+    if style.shading is Shading.FILLS and not page.key:
+        if panel.goes_on:
             corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
         for area in panel.drawing.areas:
             groups["areas"].append(_filled(area, style))
-    elif style.shading is Shading.WASH:
+    if style.shading is Shading.WASH or page.key:
         from PIL import Image
 
-        picture = wash(panel.drawing, page.scene.light, style.fills, page.scene.goes_on, dpi)
+        picture = wash(panel.drawing, panel.scene.light, style.fills, panel.goes_on, dpi, page.full)
         buffer = io.BytesIO()
         Image.fromarray(picture).save(buffer, "PNG")
         data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
@@ -182,7 +185,7 @@ def _annotate(
             groups["measures"].append(_line(measure.arc, _FINE, _INK))
         groups["measures"].append(_text(measure.text, measure.at, LABEL_SIZE, font, "middle"))
     for letter in panel.drawing.letters:
-        groups["letters"].append(_text(letter.text, letter.at, LETTER_SIZE, font, "middle", style="italic"))
+        groups["letters"].append(_text(letter.text, letter.at, _LETTER_SIZE, font, "middle", style="italic"))
     for label in panel.labels:
         groups["labels"].append(_line(np.stack([label.port, label.site]), 1.6 * _FINE + 0.25, _HALO))
         groups["labels"].append(_line(np.stack([label.port, label.site]), _FINE, _INK))
@@ -190,6 +193,8 @@ def _annotate(
         gap = 0.4 * LINE * LABEL_SIZE * (-1.0 if label.left else 1.0)
         at = label.port + np.array([gap, 0.0])
         groups["labels"].append(_text(label.text, at, LABEL_SIZE, font, "end" if label.left else "start"))
+    if page.key and panel is page.panels[-1]:
+        _key(groups["measures"], page, font)
     if panel.bar:
         _bar(groups["measures"], panel, page, font)
 
@@ -218,6 +223,21 @@ def _bar(group: drawsvg.Group, panel: PagePanel, page: PlatePage, font: PlateFon
     group.append(_line(bar, 0.5, _INK))
     at = np.array([right - 0.5 * length, bottom - 0.75 * LABEL_SIZE])
     group.append(_text(f"{panel.bar:g} mm", at, LABEL_SIZE, font, "middle"))
+
+
+def _key(group: drawsvg.Group, page: PlatePage, font: PlateFont) -> None:
+    """The color key of a map, in the lower left of a panel."""
+    left, bottom = -0.5 * page.panel[0] + 2.0, 0.5 * page.panel[1] - 1.5 - LINE * LABEL_SIZE
+    width, height, count = 0.36 * page.panel[0], 1.8, 36
+    colors = np.rint(255.0 * ramp_display(np.linspace(0.0, 1.0, count))).astype(int)
+    for k, color in enumerate(colors):
+        corner = _round((left + k * width / count, bottom - height))
+        fill = "#" + "".join(f"{each:02x}" for each in color)
+        group.append(drawsvg.Rectangle(*corner, *_round((1.05 * width / count, height)), fill=fill))
+    name, low, top = page.key
+    group.append(_text(name, np.array([left, bottom - height - 0.8 * LABEL_SIZE]), LABEL_SIZE, font, "start"))
+    group.append(_text(low, np.array([left, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "start"))
+    group.append(_text(top, np.array([left + width, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "end"))
 
 
 def _caption(panel: PagePanel, page: PlatePage, font: PlateFont) -> drawsvg.Group:

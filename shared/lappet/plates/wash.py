@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter, zoom
 
+from lappet.drawing.quantity_scale import ramp_display
 from lappet.plates.filled_areas import PIXEL, AreaKind
 from lappet.plates.panel_drawing import PanelDrawing
 
@@ -16,7 +17,12 @@ _DEEP = 4.0  # mm below what is around it at which it has lost nearly all of tha
 
 
 def wash(
-    drawing: PanelDrawing, light: NDArray[np.float64], fills: dict[AreaKind, str], goes_on: bool, dpi: float
+    drawing: PanelDrawing,
+    light: NDArray[np.float64],
+    fills: dict[AreaKind, str],
+    goes_on: bool,
+    dpi: float,
+    full: float = 1.0,
 ) -> NDArray[np.uint8]:
     """Shade a panel.
 
@@ -34,6 +40,8 @@ def wash(
         Whether skin is drawn where nothing is seen.
     dpi
         Pixels of the image per inch.
+    full
+        Value at the top of the scale of what is mapped.
 
     Returns
     -------
@@ -55,9 +63,13 @@ def wash(
     palette = np.array([[int(fills[kind][k : k + 2], 16) for k in (1, 3, 5)] for kind in AreaKind], np.float64)
     color = np.full((*shape, 3), 255.0)
     color[seen] = palette[pixels.kind[seen]]
+    mapped = drawing.pixels.quantity
+    if mapped is not None:
+        known = np.isfinite(mapped)
+        color[known] = 255.0 * ramp_display(np.abs(mapped[known]) / full)
     level = np.median(shade[pixels.kind == 0]) if (pixels.kind == 0).any() else 1.0
     picture = color * np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)[..., None]
-    picture[~seen] = palette[0] if goes_on else 255.0
+    picture[~seen] = palette[0] if goes_on and mapped is None else 255.0
     hollow = pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW)
     picture[hollow] = palette[-1]
     factor = dpi / 25.4 * PIXEL

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lappet.drawing.mean_value import mean_values
+from lappet.drawing.section_plane import SectionPlane
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import tissue_surface
-from lappet_blender.look.mean_value import mean_values
-from lappet_blender.look.section_plane import SectionPlane
 
 
 def test_the_outline_of_a_box_is_a_rectangle_with_the_values_of_its_places() -> None:

@@ -8,21 +8,44 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .tube_shape import Radius
-
+Radius = NDArray[np.floating] | float
 Lines = list[NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
 class SectionPlane:
-    """A plane. point: (3,) mm. normal: (3,), of length 1; what lies beyond the plane along it is taken away."""
+    """A plane through tissue.
+
+    Parameters
+    ----------
+    point
+        A point of it in mm, shape (3,).
+    normal
+        Its unit normal, shape (3,); what lies beyond the plane along it is taken away.
+    """
 
     point: NDArray[np.float64]
     normal: NDArray[np.float64]
 
     @classmethod
     def of(cls, numbers: Sequence[float]) -> SectionPlane:
-        """The plane of six numbers: a point, and a normal of any length. Raises ValueError where it has none."""
+        """Make the plane of six numbers.
+
+        Parameters
+        ----------
+        numbers
+            A point in mm, and a normal of any length.
+
+        Returns
+        -------
+        SectionPlane
+            The plane.
+
+        Raises
+        ------
+        ValueError
+            If they are not six finite numbers, or the normal is zero.
+        """
         point, normal = np.array(numbers[:3], np.float64), np.array(numbers[3:], np.float64)
         length = float(np.linalg.norm(normal))
         if len(numbers) != 6 or not np.isfinite(numbers).all() or length == 0.0:
@@ -38,19 +61,53 @@ class SectionPlane:
         return np.stack([first, np.cross(self.normal, first)])
 
     def flat(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coordinates (..., 2) of points (..., 3) in the plane, mm."""
+        """Find the coordinates of points in the plane.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (..., 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Along `axes` in mm, shape (..., 2).
+        """
         return np.asarray((points - self.point) @ self.axes.T)
 
     def beyond(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
-        """How far points (..., 3) lie beyond the plane, mm."""
+        """Measure how far points lie beyond the plane.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (..., 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (...,); negative before it.
+        """
         return np.asarray((points - self.point) @ self.normal)
 
     def outline(
         self, points: NDArray[np.floating], triangles: NDArray[np.integer], values: NDArray[np.floating]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Where a closed surface meets the plane: edges (e, 2, 3), turned alike, and values (e, 2, k) at their ends.
+        """Find where a closed surface meets the plane.
 
-        points: (n, 3) mm. triangles: outward. values: (n, k) at the points, linear between them.
+        Parameters
+        ----------
+        points
+            Vertices in mm, shape (n, 3).
+        triangles
+            Vertex indices, outward, shape (m, 3).
+        values
+            Values at the vertices, linear between them, shape (n, k).
+
+        Returns
+        -------
+        tuple[NDArray[np.float64], NDArray[np.float64]]
+            Edges in mm, turned alike, shape (e, 2, 3), and the values at their ends, shape (e, 2, k).
         """
         height = self.beyond(points)
         over = height[triangles] > 0.0
@@ -71,7 +128,20 @@ class SectionPlane:
         return edges[..., :3], edges[..., 3:]
 
     def before(self, lines: Lines, radii: Sequence[Radius]) -> tuple[Lines, list[Radius]]:
-        """What of polylines (k, 3) lies before the plane, with their radii, one a line or one a point."""
+        """Cut lines at the plane.
+
+        Parameters
+        ----------
+        lines
+            Lines in mm, each of shape (k, 3).
+        radii
+            Their radii in mm, one a line or one a point.
+
+        Returns
+        -------
+        tuple[Lines, list[Radius]]
+            What lies before the plane, and its radii.
+        """
         kept: Lines = []
         thick: list[Radius] = []
         for line, radius in zip(lines, radii, strict=True):
@@ -92,7 +162,18 @@ class SectionPlane:
         return kept, thick
 
     def pierced(self, lines: Lines) -> tuple[Lines, list[int]]:
-        """Where polylines pierce the plane: a point (1, 3) each, and the number of the line."""
+        """Find where lines pierce the plane.
+
+        Parameters
+        ----------
+        lines
+            Lines in mm, each of shape (k, 3).
+
+        Returns
+        -------
+        tuple[Lines, list[int]]
+            The places in mm, each of shape (1, 3), and the numbers of their lines.
+        """
         found, number = [], []
         for index, line in enumerate(lines):
             height = self.beyond(line)

@@ -17,9 +17,21 @@ _BATCH = 512
 def mean_values(
     places: NDArray[np.float64], edges: NDArray[np.float64], values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Values (q, k) at places (q, 2) from edges (e, 2, 2) of an outline and values (e, 2, k) at their ends.
+    """Find the values at places inside an outline from those at its ends.
 
-    The edges are turned alike. A place on an edge has the value that is linear between its ends.
+    Parameters
+    ----------
+    places
+        The places, shape (q, 2). One on an edge has the value that is linear between its ends.
+    edges
+        Edges of the outline, turned alike, shape (e, 2, 2).
+    values
+        Values at their ends, shape (e, 2, k).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The values, shape (q, k).
     """
     found = np.empty((len(places), values.shape[2]))
     near = _NEAR * float(np.ptp(edges.reshape(-1, 2), axis=0).max())
