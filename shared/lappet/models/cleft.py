@@ -109,7 +109,7 @@ _NOSE = (
     ((1.0, 150.0, 688.0), (6.0, 9.0, 7.0), (1.8, 0.0, 0.0)),
 )
 INCOMPLETE = Cleft(line=-8.0, height=8.0, width=3.0, rise=4.0, apart=2.2, open=0.0, nose=1.3, gap=0.0)
-COMPLETE = Cleft(line=-8.0, height=7.0, width=3.0, rise=4.0, apart=2.2, open=0.5, nose=2.0, gap=1.5)
+COMPLETE = Cleft(line=-8.0, height=2.5, width=3.0, rise=5.0, apart=2.4, open=0.6, nose=2.0, gap=1.4)
 
 
 # Places of a repair on the neutral body in mm, on the left; on the model they lie where the cleft has moved them.
