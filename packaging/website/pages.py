@@ -60,7 +60,11 @@ CONTENTS = (
     ("Project", ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "*.md", "packaging/*.md", "tests/**/*.md")),
 )
 # Pages below another page, folded away in the sidebar.
-BELOW = {"examples/README.md": "examples/*/README.md", "docs/flaps.md": "docs/flaps/*.md"}
+BELOW = {
+    "examples/README.md": "examples/*/README.md",
+    "docs/flaps.md": "docs/flaps/*.md",
+    "docs/plates.md": "docs/gallery/*.md",
+}
 API_SECTION = "How it works"  # the API reference closes this section
 API_INDEX = "/api/index"
 

@@ -1,8 +1,8 @@
 """Values inside a plane outline from those on it: mean value coordinates.
 
 Hormann and Floater 2006, "Mean value coordinates for arbitrary planar polygons": where a place x sees an edge from a to
-b at the signed angle alpha, its ends have the weights tan(alpha / 2) / |a - x| and tan(alpha / 2) / |b - x|. Linear
-values are reproduced exactly, and outlines may have holes.
+b at the signed angle alpha, its ends have the weights `tan(alpha / 2)` over their distances `norm(a - x)`, `norm(b - x)`.
+Linear values are reproduced exactly, and outlines may have holes.
 """
 
 from __future__ import annotations
