@@ -1,7 +1,7 @@
 """Values inside a plane outline from those on it: mean value coordinates.
 
 Hormann and Floater 2006, "Mean value coordinates for arbitrary planar polygons": where a place x sees an edge from a to
-b at the signed angle alpha, its ends have the weights `tan(alpha / 2)` over their distances `norm(a - x)`, `norm(b - x)`.
+b at the signed angle alpha, its ends weigh `tan(alpha / 2)` over their distances `norm(a - x)` and `norm(b - x)`.
 Linear values are reproduced exactly, and outlines may have holes.
 """
 
