@@ -50,6 +50,8 @@ class ScreenTriangles:
         self._area = area[kept]
         self._inverse = 1.0 / depth[triangles[kept]]  # linear on the paper
         low, high = corners[kept].min(axis=1), corners[kept].max(axis=1)
+        if frame is not None:
+            low, high = np.maximum(low, -reach), np.minimum(high, reach)
         self._low = low.min(axis=0) if len(low) else np.zeros(2)
         self._cell = cell
         begin, end = self._cell_of(low), self._cell_of(high)
