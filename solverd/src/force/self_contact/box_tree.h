@@ -1,6 +1,6 @@
 // A hierarchy of boxes around triangles: built once by their places at rest, refitted to wherever they are. It finds
-// the pairs of triangles that come near each other on straight ways, at the same time: a pair is passed over where the
-// boxes are farther apart than the difference of their ways, so tissue that is carried as a whole costs nothing.
+// the pairs of triangles that come near each other on straight ways, at the same time: what goes away from another, or
+// along with it, is passed over.
 #pragma once
 #include <array>
 #include <span>
@@ -22,12 +22,15 @@ struct MovingBox {
     least_way = least_way.cwiseMin(other.least_way);
     most_way = most_way.cwiseMax(other.most_way);
   }
-  // Whether something in the one may come nearer than `distance` to something in the other.
+  // Whether something in the one may come nearer than `distance` to something in the other: along no axis are they
+  // farther apart than that both where they are and where they go.
   bool may_meet(const MovingBox& other, double distance) const {
-    const Vec3 apart = (low - other.high).cwiseMax(other.low - high).cwiseMax(0.0);
-    const Vec3 drift = (most_way - other.least_way).cwiseMax(other.most_way - least_way);
-    const double within = distance + drift.norm();
-    return apart.squaredNorm() <= within * within;
+    for (int i = 0; i < 3; ++i) {
+      const double above = low[i] - other.high[i], below = other.low[i] - high[i];
+      if (above > distance && above + least_way[i] - other.most_way[i] > distance) return false;
+      if (below > distance && below + other.least_way[i] - most_way[i] > distance) return false;
+    }
+    return true;
   }
 };
 

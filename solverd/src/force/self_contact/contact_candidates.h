@@ -12,12 +12,13 @@ namespace lappet {
 
 struct VertexFacePair {
   Index vertex, face;
-  double reach;  // mm
-  auto operator<=>(const VertexFacePair&) const = default;
+  double reach;               // mm
+  Eigen::Vector3f direction;  // in which they were apart when they were found, no longer than a unit
 };
 struct EdgePair {
-  Index first, second;  // first < second
-  double reach;         // mm
+  Index first, second;        // first < second
+  double reach;               // mm
+  Eigen::Vector3f direction;  // likewise
 };
 
 // An edge of the surface that goes through a face of it.
@@ -32,7 +33,7 @@ class ContactCandidates {
   ContactCandidates(ContactSurface& surface, double slack) : surface_(surface), slack_(slack) {}
 
   // Where edges go through faces in a state, places of the vertices, in order. Refits the tree.
-  std::vector<Piercing> piercings(std::span<const Vec3> places);
+  const std::vector<Piercing>& piercings(const std::vector<Vec3>& places);
   // From now on leaves out the pairs of the faces at these edges with those that they go through, those that lie on
   // each other in a state, and no others. Returns the number of the latter.
   std::size_t leave_out(std::span<const Piercing> piercings, const std::vector<Vec3>& places);
@@ -70,6 +71,9 @@ class ContactCandidates {
   std::vector<VertexFacePair> vertex_faces_;
   std::vector<EdgePair> edges_;
   std::int64_t searches_ = 0;
+  // Where piercings were looked for last, and what was found: a frame begins where the one before ended.
+  std::vector<Vec3> looked_at_;
+  std::vector<Piercing> piercings_;
 };
 
 }  // namespace lappet
