@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos lint format docs site bench atlas clean
+.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos lint format docs site bench gallery atlas clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -62,6 +62,9 @@ site:  ## build the documents and the API reference as a site into build/site
 bench:  ## measure kernels, scenes, sheets and stages into build/bench (PARTS=pipeline; FINE=1: up to a million cells)
 	@bash packaging/setup.sh --benchmarks
 	@$(PYTHON) -m lappet.bench $(PARTS) -o build/bench $(if $(FINE),--fine)
+
+gallery: setup  ## draw the plates of docs/gallery into it (about 20 minutes of solving on two cores)
+	@$(PYTHON) packaging/gallery.py
 
 atlas: setup  ## solve and draw every design of the flap library into build/atlas; docs/flaps.md shows it
 	@$(PYTHON) -m lappet report atlas -o build/atlas

@@ -1,4 +1,4 @@
-"""Build the site of the documents and the API reference: `build_site.py [--output DIR]`.
+"""Build the site of the documents and the API reference: `build_site.py [--output DIR] [--no-downloads]`.
 
 Sphinx builds it from the repository's Markdown and the docstrings of `lappet`; every warning is an error. Without
 `--output` it lies in build/site. It needs no server and no other host: open DIR/index.html.
@@ -13,19 +13,22 @@ from pathlib import Path
 
 from sphinx.cmd.build import main as sphinx_build
 
+from flap_downloads import write_downloads
 from website.api_pages import write_api_pages
 from website.pages import FRONT_PAGE, stage
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def build_site(output: Path) -> int:
+def build_site(output: Path, downloads: bool = False) -> int:
     """Build the site.
 
     Parameters
     ----------
     output
         The site's folder. Beside it, in `<output>.work`, lies what makes the next build quick.
+    downloads
+        Whether the pages of flaps offer their operations as files, which are made here.
 
     Returns
     -------
@@ -34,7 +37,10 @@ def build_site(output: Path) -> int:
     """
     work = output.with_name(f"{output.name}.work")
     pages = work / "pages"
-    stage(ROOT, pages)
+    files = work / "downloads" if downloads else None
+    if files is not None:
+        write_downloads(files)
+    stage(ROOT, pages, files)
     write_api_pages(ROOT / "shared" / "lappet", pages)
     options = ["-b", "html", "-q", "-W", "--keep-going", "-j", "auto", "-c", str(ROOT / "packaging" / "website")]
     status = sphinx_build([*options, "-d", str(work / "doctrees"), str(pages), str(output)])
@@ -48,8 +54,10 @@ def main(arguments: list[str]) -> int:
     """Read the arguments and build."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "site", metavar="DIR")
-    output = parser.parse_args(arguments).output.resolve()
-    status = build_site(output)
+    parser.add_argument("--no-downloads", action="store_true", help="leave out the operations of flaps as files")
+    given = parser.parse_args(arguments)
+    output = given.output.resolve()
+    status = build_site(output, downloads=not given.no_downloads)
     if status == 0:
         print(f"the site is in {output / 'index.html'}")
     return status

@@ -55,6 +55,8 @@ FOLDERS = (
     "solve",
     "background",
     "output",
+    "drawing",
+    "plates",
     "bench",
     "demo",
     "reports",

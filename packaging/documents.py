@@ -2,9 +2,9 @@
 
 `--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
 problems, `docs/models.md` from the catalogue of models, `docs/tissues.md` from the presets of tissue, `docs/flaps.md`
-from the flap library and its last atlas, `docs/literature.md` from the literature's rows and their last run, and
-`docs/robustness.md` from its last results. Both check that every relative link and picture of every Markdown file of
-the repository leads to a file, and every anchor to a heading.
+and the pages in `docs/flaps` from the flap library and its last atlas, `docs/literature.md` from the literature's rows
+and their last run, and `docs/robustness.md` from its last results. Both check that every relative link and picture of
+every Markdown file of the repository leads to a file, and every anchor to a heading.
 `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
@@ -27,7 +27,7 @@ import robustness_page
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
 TISSUES = "docs/tissues.md"
-FLAPS, ATLAS = "docs/flaps.md", ROOT / "docs" / "atlas.json"
+FLAPS, FLAP_FOLDER, ATLAS = "docs/flaps.md", "docs/flaps", ROOT / "docs" / "atlas.json"
 LITERATURE, COMPARED = "docs/literature.md", ROOT / "docs" / "literature.json"
 SKIPPED = {"build", "dist", "node_modules"}
 LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
@@ -98,24 +98,35 @@ def main(arguments: list[str]) -> int:
         print(__doc__.splitlines()[0], file=sys.stderr)
         return 2
     from lappet.commands.cli import cli
+    from lappet.reports.atlas.design_page import design_pages
     from lappet.reports.atlas.page import flap_page
     from lappet.reports.literature.page import literature_page
     from lappet.reports.tissues.page import tissue_page
 
     problems = []
+    atlas, compared = (json.loads(file.read_text(encoding="utf-8")) for file in (ATLAS, COMPARED))
+    flaps = {f"{FLAP_FOLDER}/{name}.md": text for name, text in design_pages(atlas, compared).items()}
     pages = {
         PAGE: command_line_page(cli),
         models_page.PAGE: models_page.models_page(),
         problem_page.PAGE: problem_page.problem_page(),
         robustness_page.PAGE: robustness_page.robustness_page(),
         TISSUES: tissue_page(),
-        FLAPS: flap_page(json.loads(ATLAS.read_text(encoding="utf-8"))),
-        LITERATURE: literature_page(json.loads(COMPARED.read_text(encoding="utf-8"))),
+        FLAPS: flap_page(atlas),
+        **flaps,
+        LITERATURE: literature_page(compared),
     }
+    for file in sorted((ROOT / FLAP_FOLDER).glob("*.md")):
+        if f"{FLAP_FOLDER}/{file.name}" in flaps:
+            continue
+        if arguments == ["--write"]:
+            file.unlink()
+        else:
+            problems.append(f"{FLAP_FOLDER}/{file.name} is the page of no design; run `make docs`.")
     for name, text in pages.items():
         page = ROOT / name
         if arguments == ["--write"]:
-            page.parent.mkdir(exist_ok=True)
+            page.parent.mkdir(parents=True, exist_ok=True)
             page.write_text(text, encoding="utf-8")
             print(f"wrote {name}")
         elif not page.is_file() or page.read_text(encoding="utf-8") != text:

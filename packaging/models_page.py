@@ -47,6 +47,13 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   Gonzalez-Ulloa, for the nose those of Burget and Menick, with borders placed by hand.
 - **Scenery** (`/Procedure/Scenery`) is the rest of the body around the tissue, with eyes and teeth: shown, not
   solved. `--no-scenery` leaves it out.
+- **Clefts** are made of the uncleft body by moving its tissue (`shared/lappet/models/cleft.py`): the free border is
+  drawn up into a notch, red lines both margins, Cupid's bow rises towards it, the ala is flattened, its base goes to
+  the side and back, the foot of the columella to the other side; in the complete cleft a strip of skin up into the
+  nostril is missing. Heights and widths are chosen after plates, not measured, and the face is an adult's unless
+  `--age` says otherwise. The free lip has no bed. The landmarks and lines of a repair are `cleft_peak_medial`,
+  `cleft_peak_lateral`, `cleft_apex`, `columella_base_cleft`, `cleft_red_medial`, `cleft_red_lateral` and
+  `alar_crease_cleft`; no design of the library repairs it yet.
 - **Shape**: age, sex and weight mix the package's own targets as MakeHuman does, all other targets are added in the
   amounts that `--target` gives. A model holds the same skin whatever the shape.
 

@@ -56,7 +56,7 @@ OPERATIONS = {
         "dorsal-nasal",
         (0.0, 157.5, 705.0),
         (0.04, 0.0, 1.0),
-        {"diameter": 9.0, "length": 50.0, "half_width": 11.0, "back_cut": 18.0},
+        {"diameter": 9.0, "length": 52.0, "half_width": 11.0, "back_cut": 20.0, "slide": 0.6},
     ),
     "lip_a_t": Operation(
         "lips",
@@ -68,6 +68,7 @@ OPERATIONS = {
     "limb_keystone": Operation(
         "limb", "keystone", (-124.0, 95.0, -130.0), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
     ),
+    "web_z_plasty": Operation("web-space", "z-plasty", (-447.0, 259.5, 167.0), (-1.0, 0.1, 0.1), {"limb": 8.0}),
     "neck_z_plasty": Operation(
         "neck", "z-plasty", (0.0, 75.0, 592.0), (0.0, 0.0, 1.0), {"limb": 15.0}, scar=(44.0, 6.0)
     ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -39,6 +40,7 @@ CONTENTS = (
             "docs/literature.md",
             "docs/problem*.md",
             "docs/reports.md",
+            "docs/plates.md",
             "docs/performance.md",
         ),
     ),
@@ -58,7 +60,11 @@ CONTENTS = (
     ("Project", ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "*.md", "packaging/*.md", "tests/**/*.md")),
 )
 # Pages below another page, folded away in the sidebar.
-BELOW = {"examples/README.md": "examples/*/README.md"}
+BELOW = {
+    "examples/README.md": "examples/*/README.md",
+    "docs/flaps.md": "docs/flaps/*.md",
+    "docs/plates.md": "docs/gallery/*.md",
+}
 API_SECTION = "How it works"  # the API reference closes this section
 API_INDEX = "/api/index"
 
@@ -97,7 +103,7 @@ def section_pages(pages: list[Path]) -> list[tuple[str, list[Path]]]:
     return sections
 
 
-def stage(root: Path, into: Path) -> list[Path]:
+def stage(root: Path, into: Path, downloads: Path | None = None) -> list[Path]:
     """Copy the repository's pages, and what they link to, into a folder for Sphinx.
 
     Files that are the same there already are left alone, so that Sphinx reads only what changed.
@@ -108,6 +114,8 @@ def stage(root: Path, into: Path) -> list[Path]:
         The repository.
     into
         The staging folder; what is in it from a page that no longer exists is removed.
+    downloads
+        A folder with files to download, named as the pages of `docs/flaps` are; None for none.
 
     Returns
     -------
@@ -126,10 +134,26 @@ def stage(root: Path, into: Path) -> list[Path]:
             text += _contents(sections)
         if pattern := BELOW.get(page.as_posix()):
             text += _tree("", [_document(other) for other in pages if _matches(other, pattern)])
+        if downloads is not None and page.parent == Path("docs/flaps"):
+            offered = sorted(downloads.glob(f"{page.stem}.*"))
+            text += download_section([file.name for file in offered])
+            for file in offered:
+                wanted.add(page.parent / file.name)
+                _copy(file, into / page.parent / file.name)
         wanted.add(page)
         write_if_changed(into / page, text)
     _remove_others(into, wanted)
     return pages
+
+
+def download_section(names: Sequence[str]) -> str:
+    """The end of a design's page: its operation as files."""
+    if not names:
+        return ""
+    said = {".usda": "for the command line and other programs that read USD", ".blend": "for Blender and the extension"}
+    lines = [f"- [{name}]({name}), {said[Path(name).suffix]}" for name in names]
+    about = "The operation at its defaults on a flat patch, not solved."
+    return "\n".join(["", "## Download", "", about, "", *lines, ""])
 
 
 def write_if_changed(path: Path, text: str) -> None:

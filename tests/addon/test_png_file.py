@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from lappet.drawing.skin_source import FigureError
 from lappet_blender.figure.png_file import publish_png
-from lappet_blender.look.skin_source import FigureError
 
 
 def png(width: int, height: int) -> bytes:

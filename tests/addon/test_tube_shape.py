@@ -1,4 +1,4 @@
-"""Tubes along polylines, and the search for the triangles about a point."""
+"""Tubes along polylines, and spheres."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from lappet_blender.display.sphere_shape import spheres
-from lappet_blender.look.suture_bites import TrianglesNear
 from lappet_blender.look.tube_shape import tube_faces, tube_points
 
 HELIX = np.stack([np.cos(t := np.linspace(0.0, 12.0, 200)), np.sin(t), 0.3 * t], axis=-1)
@@ -60,14 +59,3 @@ def test_spheres_are_closed_outward_and_nearly_round() -> None:
     found, edges = volume(points, triangles.ravel(), np.arange(0, triangles.size, 3))
     assert 0.75 < found / (2 * 4 / 3 * np.pi * 8.0) < 1.0
     assert all(count == 1 and edges.get((b, a)) == 1 for (a, b), count in edges.items())
-
-
-def test_the_triangles_about_a_point_are_those_that_a_search_of_all_finds() -> None:
-    generator = np.random.default_rng(5)
-    points = generator.uniform(-10.0, 10.0, (300, 3)).astype(np.float32)
-    triangles = np.stack([np.arange(k, 300 + k) % 300 for k in (0, 1, 7)], axis=-1).astype(np.int32)
-    near = TrianglesNear(points, triangles)
-    for query in generator.uniform(-25.0, 25.0, (20, 3)):
-        away = np.linalg.norm(points[triangles[:, 0]] - query.astype(np.float32), axis=1)
-        expected = np.flatnonzero(away <= away.min() + 3.0)
-        np.testing.assert_array_equal(near.around(query, 3.0), expected)

@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from lappet.core.problem_code import ProblemCode
+from lappet.drawing.quantity_scale import ramp_linear
 from lappet_blender.display import skin_display
 from lappet_blender.display.color_scale import highest_of
 from lappet_blender.display.display_collection import ROLE, find_collection, find_object
-from lappet_blender.look.quantity_scale import ramp_linear
 from lappet_blender.look.skin_material import FULL_SCALE
 from refusals import refusal_code
 from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
@@ -41,7 +42,7 @@ def test_there_is_an_operator_for_every_design() -> None:
     assert [each.design.name for each in OPERATORS] == list(DESIGNS)
 
 
-ON_THEIR_BED = ("upper-lid", "keystone", "keystone-iii")  # nothing is undermined
+ON_THEIR_BED = ("upper-lid", "island-v-y", "keystone", "keystone-iii")  # nothing is undermined
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -119,9 +120,10 @@ class Grid:
     def template_icon(self, icon_value: int, scale: float) -> None:
         self.drawn.append(icon_value)
 
-    def operator(self, name: str, text: str) -> None:
+    def operator(self, name: str, text: str = "", icon: str = "") -> None:
         assert name.startswith("lappet.flap_")
-        self.drawn.append(text)
+        if text:
+            self.drawn.append(text)
 
 
 def test_the_library_shows_every_design_by_a_picture_of_its_plan_and_its_name() -> None:
@@ -172,3 +174,99 @@ def test_a_flap_without_an_active_outline_is_refused_and_nothing_changes(patch: 
     ops.landmark_add(point=(5, 5, TOP), label="here")
     assert refusal_code(lambda: ops.flap_limberg(fit=True, time=1)) == ProblemCode.DESIGN_DEFECT_UNKNOWN
     assert len(patch.lappet.events) == 1
+
+
+def faces_near(scene: bpy.types.Scene, reach: float, z: float = TOP) -> np.ndarray:
+    """The faces of the patch around (-10, 5) at a height."""
+    mesh = scene.lappet.tissue.object.data
+    centers = np.array([tuple(face.center) for face in mesh.polygons])
+    return (np.linalg.norm(centers[:, :2] - (-10.0, 5.0), axis=1) < reach) & (np.abs(centers[:, 2] - z) < 0.1)
+
+
+def test_a_flap_lies_where_faces_are_selected_as_large_as_these(patch: bpy.types.Scene) -> None:
+    obj = patch.lappet.tissue.object
+    chosen = faces_near(patch, 9.0)
+    below = faces_near(patch, 9.0, 0.0)  # what is selected through the mesh
+    obj.data.polygons.foreach_set("select", chosen | below)
+    corners = np.array(
+        [tuple(obj.data.vertices[k].co) for f in np.flatnonzero(chosen) for k in obj.data.polygons[f].vertices]
+    )
+    assert ops.flap_u_plasty(selection=True, lines="X", time=1) == {"FINISHED"}
+    outline = np.array({event.name: event for event in events(patch)}["defect"].points)
+    low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+    assert (outline[:, :2].min(axis=0) <= low + 0.05).all()
+    assert (outline[:, :2].max(axis=0) >= high - 0.05).all()
+    assert np.ptp(outline[:, 1]) == pytest.approx((high - low).max(), rel=0.02)
+
+
+@pytest.mark.parametrize("how", ["vertex group", "attribute"])
+def test_a_flap_lies_where_a_region_of_the_mesh_is_painted(patch: bpy.types.Scene, how: str) -> None:
+    obj = patch.lappet.tissue.object
+    chosen = np.flatnonzero(faces_near(patch, 9.0))
+    if how == "vertex group":
+        group = obj.vertex_groups.new(name="lesion")
+        group.add(sorted({k for f in chosen for k in obj.data.polygons[f].vertices}), 1.0, "REPLACE")
+    else:
+        values = np.zeros(len(obj.data.polygons), np.int32)
+        values[chosen] = 3
+        obj.data.attributes.new("lesion", "INT", "FACE").data.foreach_set("value", values)
+    assert ops.flap_o_z(region="lesion", lines="X", time=1) == {"FINISHED"}
+    excision = next(event for event in events(patch) if isinstance(event, Excision))
+    assert np.linalg.norm(np.array(excision.seeds[0]) - (-10.0, 5.0, TOP)) < 3.0
+
+
+def test_a_mark_that_is_none_or_in_pieces_is_refused_and_nothing_changes(patch: bpy.types.Scene) -> None:
+    polygons = patch.lappet.tissue.object.data.polygons
+    polygons.foreach_set("select", np.zeros(len(polygons), bool))
+    assert refusal_code(lambda: ops.flap_limberg(selection=True)) == ProblemCode.FACES_NONE
+    polygons.foreach_set("select", faces_near(patch, 9.0, 0.0))
+    assert refusal_code(lambda: ops.flap_limberg(selection=True)) == ProblemCode.DESIGN_DEFECT_UNMARKED
+    assert refusal_code(lambda: ops.flap_limberg(region="lesion")) == ProblemCode.DESIGN_REGION_UNKNOWN
+    assert len(patch.lappet.events) == 0
+
+
+def test_a_cursor_that_is_not_on_the_skin_is_refused(patch: bpy.types.Scene) -> None:
+    patch.cursor.location = (0.0, 0.0, 60.0)
+    assert refusal_code(lambda: ops.flap_limberg(side=10.0, lines="X", time=1)) == ProblemCode.DESIGN_PLACE_OFF
+    assert refusal_code(lambda: ops.flap_s_excision(at=(0, 0, TOP), length=15.4, width=10.0, swing=22.5, time=1)) == (
+        ProblemCode.DESIGN_CROSSES
+    )
+    assert len(patch.lappet.events) == 0
+
+
+def test_plans_of_all_designs_are_assets_with_a_picture_and_a_catalog(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    scene.unit_settings.scale_length = 0.001
+    assert ops.flap_assets(directory=str(tmp_path)) == {"FINISHED"}
+    assert bpy.context.preferences.filepaths.asset_libraries["Lappet Flaps"].path == str(tmp_path)
+    with bpy.data.libraries.load(str(tmp_path / "flaps.blend"), assets_only=True) as (there, wanted):
+        assert sorted(there.objects) == sorted(design.title for design in DESIGNS.values())
+        wanted.objects = ["Limberg flap"]
+    (plan,) = wanted.objects
+    catalog = (tmp_path / "blender_assets.cats.txt").read_text(encoding="utf-8")
+    assert f"{plan.asset_data.catalog_id}:Lappet/Flaps:" in catalog
+    pixels = np.array(plan.preview.image_pixels_float).reshape(SIZE, SIZE, 4)
+    assert (pixels[..., 3] == 1.0).all()
+    assert np.ptp(pixels[..., 1]) > 0.3
+    corners = np.array([tuple(point.co[:2]) for point in plan.data.splines[0].points])
+    assert np.ptp(corners[:, 1]) == pytest.approx(18.0 * np.sqrt(3.0), rel=1e-4)  # mm: of a rhombus of 60 degrees
+
+
+def test_a_plan_that_was_dragged_onto_the_skin_becomes_the_flap_that_it_shows(
+    patch: bpy.types.Scene, tmp_path: Path
+) -> None:
+    assert ops.flap_assets(directory=str(tmp_path)) == {"FINISHED"}
+    with bpy.data.libraries.load(str(tmp_path / "flaps.blend")) as (_, wanted):
+        wanted.objects = ["Limberg flap"]
+    (plan,) = wanted.objects
+    patch.collection.objects.link(plan)
+    bpy.context.view_layer.objects.active = plan
+    plan.location, plan.rotation_euler, plan.scale = (-15.0, 5.0, TOP), (0.0, 0.0, np.pi / 2), (0.5, 0.5, 0.5)
+    assert ops.flap_from_plan() == {"FINISHED"}
+    procedure = read_scene(patch).procedure
+    assert procedure is not None
+    (laid,) = procedure.flaps
+    assert (laid.design, dict(laid.measures), laid.mirrored) == ("limberg", {"side": 9.0}, False)
+    assert laid.at == pytest.approx((-15.0, 5.0, TOP))
+    assert laid.direction == pytest.approx((0.0, 1.0, 0.0), abs=1e-5)  # along the object's x axis
+    assert "Limberg flap" not in patch.objects
+    assert not ops.flap_from_plan.poll()

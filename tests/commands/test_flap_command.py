@@ -13,6 +13,7 @@ from lappet.designs.library import DESIGNS
 from lappet.procedure import Excision, Hook, Incision, Landmark, Material, Procedure, SutureRun
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import SKIN
 from lappet.usd.stage import read_procedure, write_procedure
 
 
@@ -137,3 +138,37 @@ def test_a_flap_is_as_large_as_a_drawn_defect_and_takes_its_place(tmp_path: Path
     assert "lesion" not in [event.name for event in procedure.events]
     twice = run("add", "limberg", tmp_path / "drawn.usda", "-o", "x.usda", "--defect", "lesion", "--at", 0, 0, 4)
     assert twice.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("design", "options", "said"),
+    [
+        ("limberg", ("--at", 0, 0, 60), "lies 56 mm off the skin"),
+        ("limberg", ("--at", 25, 0, 4), "leaves the skin at"),
+        ("limberg", ("--at", 0, 0, 4, "--set", "side=90"), "Give 4 to 60 mm"),
+        ("s-excision", ("--at", 0, 0, 4, "--set", "length=15.4", "--set", "width=10", "--set", "swing=22.5"), "cross"),
+        ("u-plasty", ("--defect", "lesion"), "needs a width of"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence_and_nothing_is_written(
+    tmp_path: Path, design: str, options: tuple[object, ...], said: str
+) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ring = tuple((26.0 * np.cos(a), 26.0 * np.sin(a), 4.0) for a in turn)
+    patch = Procedure(flat_patch((70.0, 70.0, 4.0), resolution=5.0, spacing=5.0), (SKIN.material,))
+    write_procedure(patch.with_events(Incision("lesion", 1, ring, closed=True)), tmp_path / "patch.usda")
+    done = run("add", design, tmp_path / "patch.usda", *options, "-o", tmp_path / "flap.usda", "--direction", 1, 0, 0)
+    assert done.exit_code == 1
+    assert said in done.output
+    assert not (tmp_path / "flap.usda").exists()
+
+
+def test_a_flap_is_edited_by_its_name(tmp_path: Path) -> None:
+    assert run("add", "limberg", "-o", tmp_path / "a.usda", "--spacing", 4).exit_code == 0
+    done = run("edit", "limberg", tmp_path / "a.usda", "-o", tmp_path / "b.usda", "--set", "side=14", "--mirrored")
+    assert done.exit_code == 0
+    (laid,) = read_procedure(tmp_path / "b.usda").flaps
+    assert (dict(laid.measures), laid.mirrored) == ({"side": 14.0}, True)
+    assert "limberg: limberg at (0, 0, 4) mm, side 14, mirrored" in repr(read_procedure(tmp_path / "b.usda"))
+    wrong = run("edit", "bilobed", tmp_path / "a.usda", "-o", tmp_path / "c.usda")
+    assert (wrong.exit_code, "Those laid are: limberg" in wrong.output) == (1, True)

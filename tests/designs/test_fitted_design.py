@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.fitted_design import fit_to_defect, marked_defect, without_drawn
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import DESIGNS
-from lappet.designs.library_operation import flap_on_skin
 from lappet.procedure import Excision, Incision, Landmark, Material, Procedure
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
@@ -119,3 +121,27 @@ def test_a_defect_is_a_closed_incision_or_an_outline_of_landmarks() -> None:
 def test_the_incision_that_drew_a_defect_goes_with_what_it_excised() -> None:
     assert [event.name for event in without_drawn(drawn(), "lesion").events] == ["elsewhere", "mole", "line"]
     assert without_drawn(drawn(), "mole") == drawn()
+
+
+def test_a_design_fits_around_the_faces_of_a_subset() -> None:
+    tissue = flat_patch((140.0, 140.0, TOP), resolution=7.0)
+    starts = np.concatenate([[0], np.cumsum(tissue.face_vertex_counts)[:-1]])
+    corners = tissue.points[tissue.face_vertex_indices[starts[:, None] + np.arange(3)]].mean(axis=1)
+    on_top = np.flatnonzero(corners[:, 2] > TOP - 1e-6)
+    inside = on_top[np.abs(corners[on_top, :2]).max(axis=1) < 14.0]
+    far = on_top[np.linalg.norm(corners[on_top, :2] - 50.0, axis=1) < 8.0]
+    marked = replace(
+        tissue, subsets={**tissue.subsets, "lesion": inside, "two": np.r_[inside, far], "below": tissue.subsets["bed"]}
+    )
+    procedure = Procedure(marked)
+    outline = marked_defect(procedure, "region:lesion")
+    low, high = outline[:, :2].min(axis=0), outline[:, :2].max(axis=0)
+    assert set(np.round(outline[:, 2], 6)) == {TOP}
+    fitted = fit_to_defect(marked, "u-plasty", outline, X)
+    assert fitted.values["width"] == pytest.approx(max(high - low), rel=1e-3)
+    with refuses(ProblemCode.DESIGN_REGION_UNKNOWN):
+        marked_defect(procedure, "region:mole")
+    with refuses(ProblemCode.DESIGN_DEFECT_PIECES):
+        marked_defect(procedure, "region:two")
+    with refuses(ProblemCode.DESIGN_DEFECT_UNMARKED):
+        marked_defect(procedure, "region:below")

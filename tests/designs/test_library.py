@@ -11,11 +11,11 @@ from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.designs import FlapDesign, Row, Schedule, Technique, limberg
 from lappet.designs.flat_curves import arc, bow, length, s_curve
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import DESIGNS, library_design
 from lappet.designs.library_operation import (
     add_flap,
     flap_on_patch,
-    flap_on_skin,
     landmark_place,
     skin_line_direction,
     thickness_at,
@@ -180,6 +180,26 @@ def test_zitellis_lobes_turn_about_the_pivot_by_about_a_hundred_degrees() -> Non
     assert 90.0 < both < 110.0  # Zitelli 1989
     # The first lobe reaches as far from the pivot as the defect's far side, three radii.
     assert np.linalg.norm(way[0]) == pytest.approx(18.0, rel=0.03)
+
+
+def test_an_island_fits_its_defect_when_it_has_moved_by_the_defects_height() -> None:
+    design = drawn("island-v-y", width=20.0, height=0.5)
+    seams = {seam.name: [flat(edge.points) for edge in seam.edges] for seam in design.seams}
+    base, far = seams["defect"]
+    assert far - base == pytest.approx(np.tile([10.0, 0.0], (len(base), 1)), abs=1e-3)
+    for side in ("left", "right"):
+        island, lip = (length(edge) for edge in seams[side])
+        assert lip == pytest.approx(island, abs=0.1)
+    assert length(seams["donor_stem"][0]) == pytest.approx(10.0, abs=0.1)
+
+
+def test_a_dorsal_nasal_flaps_incisions_meet_in_the_glabella_at_some_thirty_degrees() -> None:
+    """A blunter angle leaves a dog-ear there: absent below 30° (Chen), and a V–Y's tip is 20° to 60°."""
+    (cut,) = (flat(curve) for curve in drawn("dorsal-nasal").incisions)
+    apex = int(cut[:, 0].argmax())
+    one, other = (cut[apex + k] - cut[apex] for k in (-3, 3))
+    angle = np.degrees(np.arccos(one @ other / (np.linalg.norm(one) * np.linalg.norm(other))))
+    assert 25.0 < angle < 36.0
 
 
 def test_the_teeth_of_a_w_plasty_fit_into_each_other() -> None:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from lappet.designs import Schedule, limberg
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import DESIGNS
-from lappet.designs.library_operation import flap_on_patch, flap_on_skin, schedule, technique
+from lappet.designs.library_operation import flap_on_patch, schedule, technique
 from lappet.designs.seam_sutures import suture_runs, sutures
 from lappet.designs.technique import Technique
 from lappet.procedure import Suture, SutureRun

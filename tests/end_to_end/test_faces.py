@@ -28,6 +28,7 @@ NAMES = (
     "nose_dorsal",
     "lip_a_t",
     "limb_keystone",
+    "web_z_plasty",
     "neck_z_plasty",
 )
 pytestmark = pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")

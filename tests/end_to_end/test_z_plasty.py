@@ -22,6 +22,7 @@ from lappet.solve.coarse_program import coarse_program, expected_order
 from lappet.solve.error_estimate import RestSkin, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
+from z_plasty_truth import kept_truth
 
 THICKNESS = 4.0  # mm
 
@@ -81,8 +82,7 @@ class OnLattices:
     def __init__(self, folder: Path) -> None:
         self.scene, self.folder = z_plasty_scene(), folder
         self.skin = skin_of(self.scene.program(2.0))
-        # Of 0.8 mm, 0.02 mm from this one, it would be as uncertain as what is to be judged is wrong at 4/3 mm.
-        self.truth = self.points(self.last(self.scene.program(0.6, **DEFAULT)))
+        self.truth = kept_truth(self.scene)
 
     def last(self, program: Program) -> FrameResult:
         found = solve_program(program, FrameStore(self.folder), connect_to(None), "test", SolveObserver())

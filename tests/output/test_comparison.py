@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 from pathlib import Path
+from xml.dom import minidom
 
 import numpy as np
 import pytest
@@ -14,8 +16,9 @@ from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.library_operation import flap_on_patch
 from lappet.output.comparison import compared, comparison_rows
+from lappet.output.skin_regions import AT_SCAR, skin_regions
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
-from lappet.procedure import Procedure, SkinLine, Undermine
+from lappet.procedure import Landmark, Procedure, SkinLine, Undermine
 from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.usd.cache_end import CacheEnd, read_cache_end
@@ -76,7 +79,7 @@ def test_landmarks_are_shown_that_more_than_one_operation_has() -> None:
     other = end_of(landmarks={"lid": (np.zeros(3), np.ones(3))})
     both = [compared("one", end_of()), compared("two", other)]
     assert not any("moved" in row[0] for row in comparison_rows(both))
-    assert [row for row in comparison_rows([both[0], both[0]]) if "ala" in row[0]] == [["ala moved, mm", "5", "5"]]
+    assert comparison_rows([both[0], both[0]])[-2] == ["ala moved, mm", "5", "5"]
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +87,12 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> SolveResult:
     """A small fusiform excision, solved by the daemon."""
     folder = tmp_path_factory.mktemp("compared")
     procedure = flap_on_patch("fusiform", {"length": 24.0, "width": 8.0}, spacing=2.0)
+    tissue = procedure.tissue
+    corners = tissue.points[tissue.face_vertex_indices.reshape(-1, 4)].mean(axis=1)
+    left = np.flatnonzero((corners[:, 0] < 0.0) & (corners[:, 2] > 4.0 - 1e-6))
+    line = Landmark("margin", ((-15.0, -15.0, 4.0), (0.0, -15.0, 4.0), (15.0, -15.0, 4.0)), "margin")
+    tissue = replace(tissue, subsets={**tissue.subsets, "left_half": left})
+    procedure = replace(procedure, tissue=tissue).with_events(line)
     return solve_procedure(procedure, folder / "one.usdc", SolverSettings(spacing=2.0), error_estimate=False)
 
 
@@ -101,10 +110,47 @@ def test_the_end_of_a_cache_says_what_the_solve_measured(solved: SolveResult) ->
     assert end.area.sum() == pytest.approx(72.0 * 56.0, rel=0.06)
 
 
-def test_the_command_writes_table_and_figure(solved: SolveResult, tmp_path: Path) -> None:
+def test_the_tension_of_a_region_is_that_of_its_skin(solved: SolveResult) -> None:
+    """The excision is symmetric: half of the skin has half of the area and the mean tension of the whole."""
+    assert solved.output is not None
+    end = read_cache_end(solved.output)
+    regions = skin_regions(end)
+    assert set(regions) == {"left_half", AT_SCAR}
+    (tension, area), (at_scar, near) = regions["left_half"], regions[AT_SCAR]
+    assert area.sum() == pytest.approx(0.5 * end.area.sum(), rel=0.03)
+    whole = np.average(end.tension, weights=end.area)
+    assert np.average(tension, weights=area) == pytest.approx(whole, rel=0.05)
+    assert np.average(at_scar, weights=near) > 1.2 * whole
+    # A scar of 24 mm or a little more with 10 mm to each side and half a disk at each end.
+    assert near.sum() == pytest.approx(20.0 * 25.5 + np.pi * 100.0, rel=0.06)
+
+
+def test_a_line_of_landmarks_tells_how_far_it_moved_and_how_much_longer_it_is(solved: SolveResult) -> None:
+    assert solved.output is not None
+    end = read_cache_end(solved.output)
+    (rest, now) = end.lines["margin"]
+    assert list(end.lines) == ["margin"]  # and no edge of a seam, which the design made
+    found = compared("one", end)
+    assert found.moved_mm["margin"] == pytest.approx(np.linalg.norm(now - rest, axis=1).max())
+    assert -0.2 < found.stretched["margin"] < 0.2
+    assert found.moved_mm["margin"] > 0.1
+
+
+def test_regions_and_ways_of_landmarks_are_rows_of_the_table() -> None:
+    found = replace(compared("one", end_of()), regions={"nose": (3.0, 2.0)})
+    rows = {row[0]: row[1] for row in comparison_rows([found])}
+    assert (rows["nose: greatest tension, kPa"], rows["nose: mean tension, kPa"]) == ("3", "2")
+    assert rows["ala moved along x, y, z, mm"] == "0.0 3.0 4.0"
+
+
+def test_the_command_writes_table_figure_and_plate(solved: SolveResult, tmp_path: Path) -> None:
     arguments = ["compare", str(solved.output), str(solved.output), "--csv", str(tmp_path / "t.csv")]
-    result = CliRunner().invoke(cli, [*arguments, "-o", str(tmp_path / "t.png")])
+    result = CliRunner().invoke(cli, [*arguments, "-o", str(tmp_path / "t.png"), "--plate", str(tmp_path / "p.svg")])
     assert result.exit_code == 0, result.output
+    plate = (tmp_path / "p.svg").read_text(encoding="utf-8")
+    assert all(f'id="caption-{letter}"' in plate for letter in "ABCD")
+    assert "closing force" in plate
+    minidom.parseString(plate)
     rows = list(csv.reader((tmp_path / "t.csv").open(encoding="utf-8")))
     assert rows[0] == ["measure", "one", "one"]
     assert rows[1][0] == "closing force, mN"

@@ -1,8 +1,14 @@
-"""`flap_pictures.py`: rows of designs that a run left out stay, and it stays known which run each row is from."""
+"""What the site has of flaps: rows of the atlas that a run left out stay, with their run; operations as files."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from flap_downloads import write_downloads
 from flap_pictures import merged
+from lappet.designs.library_operation import flap_on_patch
+from lappet.usd.stage import read_procedure
+from website.pages import download_section
 
 
 def run(revision: str, *names: str) -> dict:
@@ -25,3 +31,13 @@ def test_a_run_of_single_designs_replaces_their_rows_and_keeps_the_others_with_t
 def test_a_run_of_all_designs_leaves_one_run() -> None:
     both = merged(merged(run("a", "limberg"), run("b", "note")), run("c", "limberg", "note"))
     assert [each["revision"] for each in both["runs"]] == ["c"]
+
+
+def test_the_site_offers_the_operation_of_a_design_as_it_is(tmp_path: Path) -> None:
+    files = write_downloads(tmp_path, ["limberg"])
+    assert {"limberg.usda"} <= {file.name for file in files} <= {"limberg.usda", "limberg.blend"}
+    assert read_procedure(tmp_path / "limberg.usda") == flap_on_patch("limberg")
+    assert all(10_000 < file.stat().st_size < 2_000_000 for file in files)
+    section = download_section([file.name for file in files])
+    assert "[limberg.usda](limberg.usda)" in section
+    assert download_section([]) == ""

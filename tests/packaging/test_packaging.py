@@ -48,7 +48,7 @@ def test_no_system_package_is_named_twice() -> None:
 
 
 def test_an_unknown_extra_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, docs, examples, render, report, test"):
+    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, docs, examples, plates, render, report, test"):
         requirements(["rendr"])
 
 

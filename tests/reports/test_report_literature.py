@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
+from lappet.reports.literature import measured
 from lappet.reports.literature.measured import (
     Measure,
     Measured,
@@ -26,6 +27,7 @@ from lappet.reports.literature.page import literature_page
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
 from lappet.reports.literature.run import compare, run_literature
+from lappet.solve.measure_errors import FORCE_ORDER
 from refusals import refuses
 
 COARSE = 4.0  # mm
@@ -138,3 +140,23 @@ def test_the_command_prints_the_rows_and_the_page_shows_them(tmp_path: Path) -> 
     assert "Disagrees" not in page
     found["verdict"] = Verdict.DISAGREES.value
     assert "Disagrees" in literature_page(results)
+
+
+def test_what_the_lattice_costs_two_forces_alike_is_no_error_of_their_quotient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both are 20 % uncertain, and 20 and 25 % greater on the coarse lattice: as one the quotient is 3 % uncertain.
+
+    The geometric mean with the sum of both, 40 %, is taken.
+    """
+    forces = {"held": Measured(10.0, 2.0), "freed": Measured(8.0, 1.6), "coarser": Measured(8.0, 2.4)}
+    shares = {"held": 1.2, "freed": 1.25, "coarser": 1.2, "unresolved": None}
+    monkeypatch.setattr(measured, "closing_force", lambda name: forces.get(name, Measured(8.0, 1.6)))
+    monkeypatch.setattr(measured, "_coarse_share", shares.__getitem__)
+    found = measured.closing_share("held", "freed")
+    assert found.value == pytest.approx(0.8)
+    as_one = 1.0 - (1.2 / 1.25) ** (1.0 / (2.0**FORCE_ORDER - 1.0))
+    assert as_one == pytest.approx(0.03, abs=2e-3)
+    assert found.error == pytest.approx(0.8 * math.sqrt(as_one * 0.4))
+    # Where the two agree by chance, what their own errors differ by is left: 30 % less 20 %.
+    assert measured.closing_share("held", "coarser").error == pytest.approx(0.8 * math.sqrt(0.1 * 0.5))
+    # Where the coarse lattice resolves no suture, both errors add as they did.
+    assert measured.closing_share("held", "unresolved").error == pytest.approx(0.8 * 0.4)

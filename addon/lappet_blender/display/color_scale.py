@@ -8,8 +8,8 @@ import bpy
 
 from lappet.background.manifest import Manifest
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.drawing.quantity_scale import frame_peak, full_value
 
-from ..look.quantity_scale import frame_peak, full_value
 from ..solving import frames
 
 _BUDGET = 0.01  # seconds of the main thread that one call may read frames for, in a window

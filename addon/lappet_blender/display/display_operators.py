@@ -5,9 +5,9 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.drawing.framing import VIEWS
 
 from ..events.variant import copy_scene
-from ..figure.framing import VIEWS
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from . import skin_display
 from .figure_setup import clear_stage, set_stage

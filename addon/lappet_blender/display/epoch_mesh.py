@@ -13,9 +13,9 @@ import numpy as np
 
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape
+from lappet.drawing.skin_fields import WOUND_WALL
 
 from ..look.layer_image import ROW, layer_rows
-from ..look.skin_fields import WOUND_WALL
 from ..look.skin_import import build_mesh, mark_sharp_borders, set_attribute
 
 KEY = "lappet_epoch"

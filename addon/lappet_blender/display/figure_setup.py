@@ -10,9 +10,9 @@ import numpy as np
 from lappet.background.manifest import Manifest
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.drawing.framing import TURN, WHOLE_FILL, SurgicalField, half_angles, surgical_field, viewpoint
 
-from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, half_angles, set_render, set_size
-from ..figure.framing import TURN, WHOLE_FILL, SurgicalField, surgical_field, viewpoint
+from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, set_render, set_size
 from ..look.skin_material import backdrop_material
 from ..model.units import mm_per_unit
 from ..solving import frames
@@ -28,8 +28,8 @@ _FRAMES = 9  # of a procedure, that the camera must hold
 def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, int], samples: int) -> None:
     """Frame what the scene shows, at any frame of its procedure, and set the render.
 
-    view: of `figure.framing.VIEWS`. engine: "cycles", "workbench" or "keep". size: pixels; (0, 0) keeps the scene's.
-    A stage that was set before is replaced. Raises RefusedError where nothing is solved or known.
+    view: of `framing.VIEWS`. engine: "cycles", "workbench" or "keep". size: pixels; (0, 0) keeps the scene's. A stage
+    that was set before is replaced. Raises RefusedError where nothing is solved or known.
     """
     shown = skin_display.shown_of(scene, scene.frame_current)
     if shown is None:

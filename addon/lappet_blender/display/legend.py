@@ -10,7 +10,8 @@ import numpy as np
 from mathutils import Matrix, Vector
 from numpy.typing import NDArray
 
-from ..look.quantity_scale import UNITS, ramp_linear
+from lappet.drawing.quantity_scale import UNITS, ramp_linear
+
 from ..look.skin_import import set_attribute
 from .display_collection import ROLE, find_object, make_object, remove_object, set_visible
 from .look_materials import part_material

@@ -10,11 +10,11 @@ import numpy as np
 
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.core.digest import digest
+from lappet.drawing.skin_source import SCALARS
 from lappet.procedure import VESSEL_KINDS
 
 from ..look import skin_material
 from ..look.skin_material import GRID_INK, Space
-from ..look.skin_source import SCALARS
 
 PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
 _MADE_FOR = "lappet_made_for"

@@ -1,4 +1,4 @@
-"""A manifest and its frames as what the drawing of threads, hooks and marks asks for (`look/skin_source.py`)."""
+"""A manifest and its frames as what the drawing of threads, hooks and marks asks for (`lappet.drawing.skin_source`)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape, Manifest
 from lappet.core.problem import RefusedError
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.drawing.skin_source import FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 from lappet.geometry.curve import sample_curve
 from lappet.procedure.events import Basis
 from lappet.solve.bite_forces import bite_points
 
 from ..events.run_preview import stitches_of
-from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 from ..model.event_kinds import BASIS_OF, HOLD_KINDS, SEWN_KINDS
 
 Lookup = Callable[[int], SolvedFrame | None]

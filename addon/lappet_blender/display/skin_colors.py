@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape
 from lappet.core.digest import digest
+from lappet.drawing.quantity_scale import ramp_linear
+from lappet.drawing.skin_fields import SKIN
 
-from ..look.quantity_scale import ramp_linear
-from ..look.skin_fields import SKIN
 from ..look.skin_import import set_attribute
 from ..look.skin_material import SKIN as SKIN_COLOR
 

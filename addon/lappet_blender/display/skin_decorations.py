@@ -11,19 +11,19 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.deep_bed import DeepBed
+from lappet.drawing.framing import SurgicalField, field_around
+from lappet.drawing.hook_steel import HookSteel
+from lappet.drawing.skin_fields import SKIN, WOUND_WALL
+from lappet.drawing.skin_marks import SkinMarks
+from lappet.drawing.skin_source import SkinEpoch
+from lappet.drawing.suture_thread import SutureThread
+from lappet.drawing.wound_edge import WoundEdge
 from lappet.procedure import VESSEL_KINDS
 
-from ..figure.framing import SurgicalField, field_around
-from ..look.deep_bed import DeepBed
-from ..look.hook_steel import HookSteel
-from ..look.skin_fields import SKIN, WOUND_WALL
 from ..look.skin_import import set_attribute
-from ..look.skin_marks import SkinMarks
-from ..look.skin_source import SkinEpoch
-from ..look.suture_thread import SutureThread
 from ..look.tube import TOPOLOGY, draw_tubes
 from ..look.vessel_tubes import VesselTubes
-from ..look.wound_edge import WoundEdge
 from .display_collection import find_object, make_object, place, set_visible
 from .look_materials import part_material
 from .manifest_source import ManifestSource

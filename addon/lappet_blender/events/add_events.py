@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import bpy
 import numpy as np
@@ -11,17 +11,24 @@ from numpy.typing import NDArray
 
 from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Undermine
 
+from ..model.event_list import find_event, remove_event
 from ..model.event_values import add_value, free_name
 from .event_check import check_events, tissue_of
 
 Place = Sequence[float]
 
 
-def add_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
-    """Add events to a scene, all or none. Raises RefusedError with what is wrong with them."""
-    check_events(scene, values)
-    for value in values:
-        add_value(scene, value)
+def add_events(scene: bpy.types.Scene, values: Sequence[Event], instead: Collection[str] = ()) -> tuple[str, ...]:
+    """Add events to a scene, all or none, and return the names that they got.
+
+    instead: names of events that they replace. Raises RefusedError with what is wrong with them.
+    """
+    check_events(scene, values, instead)
+    for name in instead:
+        event = find_event(scene, name)
+        if event is not None:
+            remove_event(scene, event)
+    return tuple(str(add_value(scene, value).name) for value in values)
 
 
 def add_incision(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import bpy
 
@@ -22,17 +22,17 @@ from ..model.tissue_values import tissue_value
 _rest: list[tuple[Tissue, RestSpace | None]] = []  # of the tissue that was asked for last
 
 
-def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
+def check_events(scene: bpy.types.Scene, values: Sequence[Event], without: Collection[str] = ()) -> None:
     """Raise RefusedError for what is wrong with new or changed events, alone or beside the scene's others.
 
-    Events of the scene that have the name of one of `values` are left out. Raises RefusedError where there is no tissue
-    to place them on.
+    Events of the scene that have the name of one of `values` are left out, and those named in `without`, which they
+    replace. Raises RefusedError where there is no tissue to place them on.
     """
     tissue = tissue_of(scene)
     names = {value.name for value in values}
     others = []
     for event in scene.lappet.events:
-        if event.enabled and event.name not in names:
+        if event.enabled and event.name not in names and event.name not in without:
             try:
                 others.append(event_value(scene, event))
             except RefusedError:

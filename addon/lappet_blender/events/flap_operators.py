@@ -1,30 +1,31 @@
 """An operator for each design of the flap library, which adds the whole operation; their menu, and them as pictures."""
 
-import math
 from typing import Any, ClassVar
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from numpy.typing import NDArray
 
 from lappet.checks.narrow_flaps import narrow_flaps
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.fitted_design import fit_to_defect, marked_defect, without_drawn
+from lappet.designs.laid_design import require_on_skin
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign, Parameter
-from lappet.designs.library_operation import add_flap, skin_line_direction
-from lappet.procedure import Procedure
+from lappet.designs.library_operation import add_flap, has_lines, skin_line_direction
+from lappet.procedure import FlapLines, Procedure
 from lappet.tissue.skin_sheet import SkinSheet
 
 from ..interface.operator_base import OperatorBase
 from ..interface.problem_sentence import problem_sentence
 from ..model.event_list import find_event, remove_event
-from ..model.scene_procedure import read_scene
+from ..model.laid_flaps import active_flap
 from ..model.units import to_mm
-from .add_events import add_events
 from .event_check import tissue_of
+from .flap_mark import marked_outline_of
+from .flap_relay import put_flap, remove_flap, scene_procedure
 from .flap_thumbnails import thumbnail
 from .operator_values import given
 
@@ -45,41 +46,45 @@ class _FlapAdd(OperatorBase):
     at: Any
     lines: str
     fit: bool
+    selection: bool
+    region: str
     turned: float
     mirrored: bool
 
     def run(self, context: bpy.types.Context) -> str:
         scene = context.scene
         tissue = tissue_of(scene)
-        reading = read_scene(scene)
-        if reading.procedure is None:
-            raise RefusedError([each for each in reading.problems if each.severity == "error"])
-        procedure = reading.procedure
+        procedure = scene_procedure(scene)
         outline = _active_name(scene) if self.fit else ""
-        drawn = marked_defect(procedure, outline) if self.fit else None
+        drawn = marked_defect(procedure, outline) if self.fit else marked_outline_of(scene, self.selection, self.region)
         at = to_mm(scene, scene.cursor.location) if drawn is None else drawn.mean(axis=0)
-        on_skin, normals = SkinSheet.of(tissue).at(self.at if self.properties.is_property_set("at") else at)
+        at = np.array(self.at) if self.properties.is_property_set("at") else at
+        on_skin, normals = SkinSheet.of(tissue).at(at)
         place = on_skin[0]
-        direction = _turned(self._direction(procedure, place), normals[0], self.turned)
+        if drawn is None:
+            require_on_skin(self.design.name, at, place)
+        direction = turned_about(self._direction(procedure, place), normals[0], self.turned)
         measures = {each.name: float(getattr(self, each.name)) for each in self.design.parameters}
         if drawn is not None:
             fitted = fit_to_defect(tissue, self.design.name, drawn, direction, measures, mirrored=self.mirrored)
             place, measures = np.array(fitted.at), fitted.values
         start = given(self, "time", scene.frame_current)
-        flap = add_flap(procedure, self.design.name, place, direction, measures, mirrored=self.mirrored, start=start)
-        before = len(procedure.events)
-        last = scene.frame_end
-        scene.frame_end = max(last, math.ceil(flap.end_time))
-        try:
-            add_events(scene, flap.events[before:])
-        except RefusedError:
-            scene.frame_end = last
-            raise
-        if drawn is not None:
+        flap = add_flap(
+            procedure,
+            self.design.name,
+            place,
+            direction,
+            measures,
+            mirrored=self.mirrored,
+            start=start,
+            lines=self._follows(procedure),
+        )
+        count = put_flap(scene, procedure, flap)
+        if self.fit:
             _take_away(scene, procedure, without_drawn(procedure, outline))
         for found in narrow_flaps(flap, set()):
             self.report({"WARNING"}, problem_sentence(found))
-        return f"{self.design.title}: {len(flap.events) - before} events."
+        return f"{self.design.title}: {count} events."
 
     def _direction(self, procedure: Procedure, at: NDArray[np.float64]) -> NDArray[np.float64]:
         """The direction in mm before it is turned by `turned`."""
@@ -91,6 +96,12 @@ class _FlapAdd(OperatorBase):
             if self.properties.is_property_set("lines") or refused.problems[0].code != ProblemCode.DESIGN_NO_LINES:
                 raise
             return np.array([1.0, 0.0, 0.0])
+
+    def _follows(self, procedure: Procedure) -> FlapLines:
+        """How the flap follows the lines of the skin when it is moved: not where it was turned away from them."""
+        if self.lines == "X" or self.turned != 0.0 or not has_lines(procedure):
+            return ""
+        return "across" if self.lines == "ACROSS" else "along"
 
 
 def _active_name(scene: bpy.types.Scene) -> str:
@@ -106,12 +117,13 @@ def _take_away(scene: bpy.types.Scene, procedure: Procedure, left: Procedure) ->
             remove_event(scene, event)
 
 
-def _turned(direction: NDArray[np.float64], normal: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+def turned_about(direction: NDArray[np.float64], normal: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     """A direction turned about a normal (radians, counter-clockwise)."""
     return np.cos(angle) * direction + np.sin(angle) * np.cross(normal, direction)
 
 
-def _measure(parameter: Parameter) -> Any:
+def measure_property(parameter: Parameter, **settings: Any) -> Any:
+    """A property of an operator for a measure of a design."""
     return FloatProperty(
         name=parameter.name.replace("_", " ").title(),
         description=f"{parameter.meaning[:1].upper()}{parameter.meaning[1:]}{_unit(parameter)}; {parameter.range_text}",
@@ -119,6 +131,7 @@ def _measure(parameter: Parameter) -> Any:
         min=parameter.least,
         max=parameter.most,
         precision=2,
+        **settings,
     )
 
 
@@ -128,7 +141,7 @@ def _unit(parameter: Parameter) -> str:
 
 def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
     """The operator `lappet.flap_NAME` of a design."""
-    fields: dict[str, Any] = {each.name: _measure(each) for each in design.parameters}
+    fields: dict[str, Any] = {each.name: measure_property(each) for each in design.parameters}
     fields |= {
         "at": FloatVectorProperty(
             name="Place", description=f"In mm: {design.center}; if not given, the 3D cursor", size=3, precision=2
@@ -144,6 +157,13 @@ def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
             name="Fit to Active Outline",
             description="Lie where the closed incision or landmark is that is active in the timeline, as large as that",
         ),
+        "selection": BoolProperty(
+            name="Fit to Selection", description="Lie where the selected faces of the tissue are, as large as these"
+        ),
+        "region": StringProperty(
+            name="Fit to Region",
+            description="Lie where a vertex group, a face group or a face attribute of the tissue is, as large as it",
+        ),
         "mirrored": BoolProperty(name="Mirrored", description="Mirrored about its direction"),
         "time": FloatProperty(name="Frame", description="Before the first cut; if not given, the current frame"),
     }
@@ -154,6 +174,21 @@ def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
     }
     attributes["design"] = design
     return type(f"LAPPET_OT_flap_{design.name.replace('-', '_')}", (_FlapAdd, bpy.types.Operator), attributes)
+
+
+class LAPPET_OT_flap_remove(OperatorBase, bpy.types.Operator):
+    """Remove all events of the flap that the active event belongs to"""
+
+    bl_label = "Remove Flap"
+    edits_procedure = True
+
+    flap: StringProperty(name="Flap", description="Name of the laid flap", options={"HIDDEN", "SKIP_SAVE"})
+
+    def run(self, context: bpy.types.Context) -> str:
+        scene = context.scene
+        name = self.flap or active_flap(scene)
+        count = remove_flap(scene, name)
+        return f"{name}: {count} events removed."
 
 
 class VIEW3D_MT_lappet_flap(bpy.types.Menu):
@@ -182,7 +217,8 @@ class VIEW3D_PT_lappet_flaps(bpy.types.Panel):
             cell = grid.column(align=True)
             cell.template_icon(icon_value=thumbnail(operator.design.name), scale=4.5)
             cell.operator(operator.bl_idname, text=operator.design.title)
+        layout.operator("lappet.flap_assets", icon="ASSET_MANAGER")
 
 
 OPERATORS = tuple(_operator(design) for design in DESIGNS.values())
-CLASSES = (*OPERATORS, VIEW3D_MT_lappet_flap, VIEW3D_PT_lappet_flaps)
+CLASSES = (*OPERATORS, LAPPET_OT_flap_remove, VIEW3D_MT_lappet_flap, VIEW3D_PT_lappet_flaps)

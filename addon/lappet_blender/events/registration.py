@@ -6,6 +6,7 @@ from . import (
     add_menu,
     cut_operators,
     edit_operators,
+    flap_asset_operators,
     flap_operators,
     flap_thumbnails,
     hold_operators,
@@ -22,6 +23,7 @@ CLASSES = (
     *edit_operators.CLASSES,
     *point_operators.CLASSES,
     *flap_operators.CLASSES,
+    *flap_asset_operators.CLASSES,
     *add_menu.CLASSES,
     *timeline_panel.CLASSES,
 )

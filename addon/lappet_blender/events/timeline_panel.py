@@ -8,12 +8,16 @@ from typing import Any
 import bpy
 
 from lappet.core.value_with_error import with_error
+from lappet.designs.library import DESIGNS
 
 from ..interface.sidebar_panel import SidebarPanel, with_fields
 from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
 from ..model.event_target import is_there
+from ..model.laid_flaps import active_flap, design_of
 from ..solving.frames import frame_state, pull_of, pulls_of_run
+from .flap_assets import DESIGN
+from .flap_thumbnails import thumbnail
 from .run_preview import stitches_of
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
@@ -116,11 +120,27 @@ class LAPPET_PT_timeline(SidebarPanel, bpy.types.Panel):
         side.separator()
         side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
         layout.popover("VIEW3D_PT_lappet_flaps", text="Flap Library", icon="ASSET_MANAGER")
+        if context.object is not None and DESIGN in context.object:
+            layout.operator("lappet.flap_from_plan", icon="CHECKMARK")
         if not len(data.events):
             layout.label(text="Draw an incision to start.", icon="INFO")
             return
         if 0 <= data.active_event < len(data.events):
+            draw_flap(layout, context.scene)
             draw_fields(layout, context.scene, data.events[data.active_event])
+
+
+def draw_flap(layout: Any, scene: bpy.types.Scene) -> None:
+    """The laid flap that the active event belongs to."""
+    flap = active_flap(scene)
+    design = DESIGNS.get(design_of(scene, flap))
+    if design is None:
+        return
+    row = layout.row(align=True)
+    row.label(text=flap, icon_value=thumbnail(design.name))
+    edit = row.operator(f"lappet.flap_edit_{design.name.replace('-', '_')}", text="Edit", icon="GREASEPENCIL")
+    edit.flap = flap
+    row.operator("lappet.flap_remove", text="", icon="X").flap = flap
 
 
 def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:

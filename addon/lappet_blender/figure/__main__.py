@@ -25,13 +25,19 @@ from numpy.typing import NDArray
 if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
 
+from lappet.drawing.figure_steps import Step, hook_height, step_captions, story_steps
+from lappet.drawing.framing import VIEWS, SurgicalField, Viewpoint, half_angles, surgical_field, viewpoint, widened
+from lappet.drawing.hook_steel import HookSteel
+from lappet.drawing.section_plane import SectionPlane
+from lappet.drawing.skin_marks import SkinMarks
+from lappet.drawing.skin_read import SkinCache
+from lappet.drawing.skin_source import SCALARS, FigureError
+from lappet.drawing.suture_thread import SutureThread, buried_sutures
+from lappet.drawing.wound_edge import WoundEdge
 from lappet.procedure import VESSEL_KINDS
 
-from ..look.hook_steel import HookSteel
 from ..look.scenery import add_scenery
-from ..look.section_plane import SectionPlane
 from ..look.skin_import import Bed, SkinObject
-from ..look.skin_marks import SkinMarks
 from ..look.skin_material import (
     TRANSLUCENT,
     backdrop_material,
@@ -48,12 +54,8 @@ from ..look.skin_material import (
     vessel_material,
     wall_material,
 )
-from ..look.skin_read import SkinCache
-from ..look.skin_source import SCALARS, FigureError
-from ..look.suture_thread import SutureThread, buried_sutures
 from ..look.tube import add_tube_object, draw_tubes
 from ..look.vessel_tubes import VesselTubes
-from ..look.wound_edge import WoundEdge
 from .caption import load_picture, save_picture, shrunk
 from .figure_scene import (
     ENGINES,
@@ -62,14 +64,11 @@ from .figure_scene import (
     add_lights,
     clear_scene,
     figure_studio,
-    half_angles,
     render_png,
     set_render,
     set_size,
 )
-from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
-from .framing import VIEWS, SurgicalField, Viewpoint, surgical_field, viewpoint, widened
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
 from .section_cut import BeforePlane, SectionDiscs, SectionFace, TubePart, TubesBefore

@@ -10,19 +10,12 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from lappet.drawing.framing import LENS, SENSOR, SurgicalField, Viewpoint
+
 from ..look.skin_import import SCALE
-from .framing import SurgicalField, Viewpoint
 from .png_file import publish_png
 
-LENS, SENSOR = 90.0, 36.0
 ENGINES = {"cycles": "CYCLES", "workbench": "BLENDER_WORKBENCH"}
-
-
-def half_angles(size: tuple[int, int]) -> tuple[float, float]:
-    """Tangents of half the horizontal and vertical field of view of a picture of a size in pixels."""
-    across = SENSOR / 2 / LENS
-    longer = max(size)
-    return across * size[0] / longer, across * size[1] / longer
 
 
 def clear_scene() -> bpy.types.Scene:

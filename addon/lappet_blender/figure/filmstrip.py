@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from lappet.drawing.figure_steps import Step
+
 from .caption import draw_text, fitted, load_picture, save_picture, text_width
-from .figure_steps import Step
 from .sheet_layout import sheet_layout
 
 PAPER = (0.985, 0.982, 0.975)

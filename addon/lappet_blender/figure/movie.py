@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ..look.skin_source import FigureError
+from lappet.drawing.skin_source import FigureError
 
 
 def encode_mp4(pictures: Sequence[Path], size: tuple[int, int], fps: float, path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..look.skin_source import FigureError
+from lappet.drawing.skin_source import FigureError
 
 _BEGINS, _ENDS = b"\x89PNG\r\n\x1a\n", b"\x00\x00\x00\x00IEND\xaeB`\x82"
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..look.quantity_scale import UNITS, frame_peak, full_value, ramp_linear
-from ..look.skin_source import SkinSource
+from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value, ramp_display
+from lappet.drawing.skin_source import SkinSource
+
 from .caption import draw_text, load_picture, save_picture, text_width
 
 INK = (0.2, 0.19, 0.19)
@@ -20,12 +20,6 @@ def full_scale(cache: SkinSource, name: str) -> float:
     return full_value(max((frame_peak(v) for v in values if v is not None), default=0.0))
 
 
-def ramp_color(share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Display colors (n, 3), sRGB 0 to 1, of shares (n,) of full scale."""
-    mixed = ramp_linear(share)
-    return np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055)
-
-
 def draw_key(path: Path, name: str, highest: float) -> None:
     """Draw the key into the lower left of a picture file."""
     picture = load_picture(path)
@@ -35,7 +29,7 @@ def draw_key(path: Path, name: str, highest: float) -> None:
     pad = round(size * 0.9)
     card = picture[y - round(2.4 * size) : y + high + round(2.2 * size), x - pad : x + wide + pad]
     card[:] = 0.25 * card + 0.75 * 0.97
-    picture[y : y + high, x : x + wide] = ramp_color(np.linspace(0.0, 1.0, wide))[None]
+    picture[y : y + high, x : x + wide] = ramp_display(np.linspace(0.0, 1.0, wide))[None]
     draw_text(picture, name.capitalize(), (x, y - 0.6 * size), size, INK)
     draw_text(picture, "0", (x, y + high + 1.2 * size), size * 0.85, INK)
     top = f"≥ {highest:g}{UNITS[name]}"

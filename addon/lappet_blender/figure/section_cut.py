@@ -14,14 +14,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.mean_value import mean_values
+from lappet.drawing.section_plane import Lines, SectionPlane
+from lappet.drawing.skin_fields import SKIN
+from lappet.drawing.skin_read import SkinCache
 from lappet.geometry.closest_point import ClosestPoint
 
 from ..look.layer_image import ROW, layer_rows
-from ..look.mean_value import mean_values
-from ..look.section_plane import Lines, SectionPlane
-from ..look.skin_fields import SKIN
 from ..look.skin_import import SCALE, Bed, SkinObject, build_mesh, set_attribute
-from ..look.skin_read import SkinCache
 from ..look.tube_shape import Radius
 from ..look.vessel_tubes import HOLLOW, LUMEN
 

@@ -18,6 +18,8 @@ from lappet.background.manifest_store import put_manifest
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.drawing.skin_read import SkinCache
+from lappet.drawing.skin_source import SCALARS, FigureError
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.foreign.reading_process import ReadingProcess
 from lappet.procedure import Procedure
@@ -26,8 +28,6 @@ from lappet.usd.procedure_file import CHILD
 from lappet.usd.stage_contents import StageContents
 from lappet.usd.stage_procedure import StageProcedure
 
-from ..look.skin_read import SkinCache
-from ..look.skin_source import SCALARS, FigureError
 from ..model.scene_filling import fill_scene
 from ..solving import reconcile
 from ..solving.controller import controller_of, frame_cache

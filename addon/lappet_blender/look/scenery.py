@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from .scenery_read import SceneryMesh
+from lappet.drawing.scenery_read import SceneryMesh
+
 from .skin_import import build_mesh
 from .skin_material import plain_material, skin_material
 

@@ -8,11 +8,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .deep_bed import DeepBed
+from lappet.background.skin_shape import uv_scale
+from lappet.drawing.deep_bed import DeepBed
+from lappet.drawing.skin_fields import SKIN
+from lappet.drawing.skin_read import SkinCache
+from lappet.drawing.skin_source import SkinEpoch
+
 from .layer_image import ROW, layer_rows
-from .skin_fields import SKIN, uv_scale
-from .skin_read import SkinCache
-from .skin_source import SkinEpoch
 
 SCALE = 0.1  # Blender units per mm: 1 unit is 1 cm
 

@@ -12,10 +12,11 @@ import bpy
 
 from lappet.anatomy.tissue_kind import KIND_COLORS, KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
+from lappet.drawing.quantity_scale import RAMP
+from lappet.drawing.skin_source import SCALARS
 from lappet.procedure.vessel import VESSEL_COLORS
 
 from .layer_image import ROW, depth_reach, layer_image
-from .skin_source import SCALARS
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
@@ -30,13 +31,6 @@ TICK_PITCH = 1.0
 INK_SHARE = 0.62
 CHECKER_INK = (0.30, 0.135, 0.10, 1.0)
 CHECKER_SHARE = 0.72
-RAMP = (
-    (0.0, (0.13, 0.25, 0.55)),
-    (0.25, (0.22, 0.58, 0.68)),
-    (0.5, (0.90, 0.86, 0.68)),
-    (0.75, (0.90, 0.47, 0.20)),
-    (1.0, (0.60, 0.06, 0.07)),
-)
 
 
 @dataclass(frozen=True)

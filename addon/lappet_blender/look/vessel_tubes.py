@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .skin_source import SkinSource
+from lappet.drawing.skin_source import SkinSource
 
 STUMP = 0.35  # mm, how far a cut end stands out
 LUMEN = 0.55  # of the radius

@@ -178,6 +178,7 @@ class LappetEvent(bpy.types.PropertyGroup):
         type=bpy.types.Object,
     )
     grip: text(name="Grip", description="The group of faces that the retractor holds")
+    flap: StringProperty(options={"HIDDEN"})  # the laid flap that it belongs to (laid_flaps.py)
     label: text(name="Label", description="Name of the landmark in reports")
     # What the interface edits in place of `name` and `start`: the name stays one that USD takes and nothing else has,
     # and the release and the target's keyframes move with the start.

@@ -237,6 +237,12 @@ class LappetVessel(bpy.types.PropertyGroup):
     )
 
 
+class LappetFlap(bpy.types.PropertyGroup):
+    """A laid flap of the library; `name` is that of its prim, `value` the rest of it (laid_flaps.py)."""
+
+    value: StringProperty(options={"HIDDEN"})
+
+
 class LappetSolving(bpy.types.PropertyGroup):
     """How the procedure is solved."""
 
@@ -316,6 +322,7 @@ class LappetProcedure(bpy.types.PropertyGroup):
     active_region: IntProperty(default=0)
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
+    flaps: CollectionProperty(type=LappetFlap)
     kept: StringProperty(options={"HIDDEN"})  # what there are no tools for (kept_values.py)
     solving: PointerProperty(type=LappetSolving)
     look: PointerProperty(type=LappetLook)
@@ -331,6 +338,7 @@ CLASSES = (
     LappetRegion,
     LappetSkinLine,
     LappetVessel,
+    LappetFlap,
     LappetBone,
     LappetTissue,
     LappetSolving,

@@ -16,6 +16,7 @@ from .changes import changed
 from .event_list import add_event, remove_event
 from .event_values import kind_of, set_event
 from .kept_values import KEPT_EVENTS, keep
+from .laid_flaps import keep_flap
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
@@ -59,6 +60,8 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
     for region in tissue.regions:
         set_region(scene.lappet.regions.add(), region)
     _events(scene, procedure)
+    for flap in procedure.flaps:
+        keep_flap(scene, flap)
     kept = keep(scene, procedure)
     names = [*(each.name for each in kept.events), *(each.faces for each in kept.rollers)]
     if names:
@@ -75,7 +78,7 @@ def _polygons(mesh: Tissue | Bone) -> tuple[NDArray[np.float64], NDArray[np.int3
 def _clear(scene: bpy.types.Scene) -> None:
     while len(scene.lappet.events):
         remove_event(scene, scene.lappet.events[-1])
-    for name in ("bones", "materials", "regions", "skin_lines", "vessels"):
+    for name in ("bones", "materials", "regions", "skin_lines", "vessels", "flaps"):
         getattr(scene.lappet, name).clear()
 
 

@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.dashed_line import dashes
 from lappet.procedure.vessel import VESSEL_COLORS
 
 from ..events.run_preview import stitches_of
-from ..look.dashed_line import dashes
 from ..model.event_properties import LappetEvent
 from ..model.mesh_values import GROUP
 from ..model.suture_run_values import run_corners, run_insides
@@ -44,6 +44,7 @@ EVENT_COLORS = {
 }
 _LIP = 0.12  # mm from the middle of a cut to the line on either lip, beyond half the kerf
 _WIDTH = 2.5
+_MOST_LABELED = 4  # points of a landmark that have a label each
 
 
 @dataclass
@@ -94,7 +95,7 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
     elif event.kind == "RETRACTOR":
         lines += _grip_lines(surface, event)
     elif event.kind in ("EXCISION", "LANDMARK"):
-        lines += _marks(line_set, surface, event, color)
+        lines += _marks(line_set, surface, event, color, active)
     over = event.kind in ("HOOK", "RETRACTOR") and time > event.end
     dashed = (future or event.kind == "UNDERMINE") and event.kind not in ("LANDMARK", "EXCISION")
     for line in lines:
@@ -186,21 +187,28 @@ def _runs(
     return world_runs(surface, *lines[key])
 
 
-def _marks(line_set: LineSet, surface: ShownSurface, event: LappetEvent, color: Color) -> list[NDArray[np.float64]]:
-    """A cross on the skin at each point, with the landmark's label."""
+def _marks(
+    line_set: LineSet, surface: ShownSurface, event: LappetEvent, color: Color, active: bool
+) -> list[NDArray[np.float64]]:
+    """A cross on the skin at each point, with the landmark's label.
+
+    A landmark of many points follows an edge: its crosses are small, and its label stands once, while it is active.
+    """
     rest = event_points(event)
     located = surface.rest.locate(rest, skin_only=False)
     there = np.linalg.norm(surface.rest.at(located) - rest, axis=1) <= 1.0
     world, normals = surface.carry(located), surface.normals(located.triangle)
+    row = event.kind == "LANDMARK" and len(rest) > _MOST_LABELED
+    labeled = int(np.count_nonzero(there)) // 2 if row and active else -1
     lines = []
-    for place, normal in zip(world[there], normals[there], strict=True):
+    for k, (place, normal) in enumerate(zip(world[there], normals[there], strict=True)):
         u = np.cross(normal, [1.0, 0.0, 0.0] if abs(normal[0]) < 0.9 else [0.0, 1.0, 0.0])
         u /= np.linalg.norm(u)
-        size = 1.2 / surface.mm
+        size = (0.3 if row else 1.2) / surface.mm
         for across in (u, np.cross(normal, u)):
             lifted = place + normal * (0.2 / surface.mm)
             lines.append(np.stack([lifted - size * across, lifted + size * across]))
-        if event.kind == "LANDMARK":
+        if event.kind == "LANDMARK" and (not row or k == labeled):
             line_set.labels.append((place, event.label or event.name, color))
     return lines
 

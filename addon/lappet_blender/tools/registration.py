@@ -5,7 +5,18 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from . import click_tool, edit_tool, hook_tool, incision_tool, plan_overlay, suture_tool, tool_menu, toolbar
+from . import (
+    click_tool,
+    edit_tool,
+    flap_edit_tool,
+    flap_gizmos,
+    hook_tool,
+    incision_tool,
+    plan_overlay,
+    suture_tool,
+    tool_menu,
+    toolbar,
+)
 from .preview import clear_preview
 from .shown_surface import clear_cache
 
@@ -15,6 +26,8 @@ CLASSES = (
     *hook_tool.CLASSES,
     *suture_tool.CLASSES,
     *edit_tool.CLASSES,
+    *flap_edit_tool.CLASSES,
+    *flap_gizmos.CLASSES,
     *tool_menu.CLASSES,
     *toolbar.CLASSES,
 )
@@ -25,6 +38,7 @@ def _another_file(_path: str) -> None:
     """What is kept or shown belongs to the file that is closed."""
     clear_preview()
     clear_cache()
+    flap_gizmos.forget()
 
 
 def register() -> None:
@@ -44,3 +58,4 @@ def unregister() -> None:
     toolbar.unregister()
     clear_preview()
     clear_cache()
+    flap_gizmos.forget()

@@ -18,6 +18,7 @@ from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
 from lappet.commands.models_command import models
 from lappet.commands.new_command import new
+from lappet.commands.plate_command import plate
 from lappet.commands.render_command import render
 from lappet.commands.report_command import report
 from lappet.commands.solve_command import solve
@@ -53,5 +54,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, compare, new, models, flap, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, plate, compare, new, models, flap, report, keys):
     cli.add_command(_command)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,11 +12,17 @@ from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
 
+if TYPE_CHECKING:
+    from lappet.output.comparison import Compared
+
 
 @click.command()
 @click.argument("caches", type=FILE, nargs=-1, required=True)
 @click.option("-o", "--output", "picture", type=FILE, help="A figure of it (.png, .svg or .pdf).")
 @click.option("--csv", "table", type=FILE, help="The table as CSV.")
+@click.option(
+    "--plate", type=FILE, help="A plate of it: each operation planned and at its end (.svg, .pdf, .png, .tif)."
+)
 @reading_options
 @click.pass_context
 def compare(
@@ -24,9 +31,14 @@ def compare(
     caches: tuple[Path, ...],
     picture: Path | None,
     table: Path | None,
+    plate: Path | None,
     limits: ReadLimits,
 ) -> None:
-    """Compare the last frames of skin caches: closing force, tension, scar, dog-ears, undermining, moved landmarks."""
+    """Compare the last frames of skin caches: closing force, tension, scar, dog-ears, undermining, moved landmarks.
+
+    Tension is given for the whole skin, within 10 mm of the scar, and for each face subset of the skin, such as the
+    subunits of a face.
+    """
     with sentences(context):
         import csv
 
@@ -34,7 +46,8 @@ def compare(
         from rich.console import Console
         from rich.table import Table
 
-        from lappet.output.comparison import compared, comparison_rows, plot_comparison
+        from lappet.output.comparison import compared, comparison_rows
+        from lappet.output.comparison_figure import plot_comparison
         from lappet.usd.cache_end import read_cache_end
 
         columns = [compared(cache.stem, read_cache_end(cache, limits)) for cache in caches]
@@ -52,3 +65,15 @@ def compare(
         if picture is not None:
             plot_comparison(columns, picture)
             click.echo(f"Figure: {picture}")
+        if plate is not None:
+            _draw_plate(caches, columns, plate, limits)
+            click.echo(f"Plate: {plate}")
+
+
+def _draw_plate(caches: tuple[Path, ...], columns: list[Compared], path: Path, limits: ReadLimits) -> None:
+    """Draw a row for each operation: planned, and its end with what was measured there."""
+    from lappet.output.comparison import one_line
+    from lappet.plates.draw_plate import PlateOptions, draw_plate
+
+    captions = {2 * k + 1: f"{each.name}: {one_line(each)}" for k, each in enumerate(columns)}
+    draw_plate(caches, [path], PlateOptions(captions=captions, shown={"columns": 2}), limits)

@@ -52,7 +52,20 @@ def demo(context: click.Context, /, folder: Path, settings: SolverSettings, **op
             click.echo("Pictures:")
             for picture in pictures:
                 click.echo(f"  {picture}")
+            for plate in _plates(cache, folder):
+                click.echo(f"Plate:      {plate.resolve()}")
             click.echo(f"Skin cache: {cache.resolve()}")
             click.echo(f"Report:     {(folder / 'z_plasty.report.json').resolve()}")
     if not result.complete:
         context.exit(1)
+
+
+def _plates(cache: Path, folder: Path) -> list[Path]:
+    """Draw the plate of the demo, where what plates need is installed."""
+    from importlib.util import find_spec
+
+    if not all(find_spec(each) for each in ("drawsvg", "shapely", "typst")):
+        return []
+    from lappet.plates.draw_plate import draw_plate
+
+    return draw_plate([cache], [folder / "z_plasty.plate.pdf", folder / "z_plasty.plate.svg"])

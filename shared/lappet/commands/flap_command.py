@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -14,6 +14,8 @@ from lappet.foreign.limits import ReadLimits
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from lappet.procedure import FlapLines
 
 _PICTURES = (".svg", ".pdf", ".png")
 
@@ -143,7 +145,11 @@ def show_design(
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure with the operation (.usda or .usdc).")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Where it lies on the skin, in mm.")
 @click.option("--landmark", help="Where it lies: the label of a landmark.")
-@click.option("--defect", help="What it closes: a closed incision or an outline of landmarks; sets place and lengths.")
+@click.option(
+    "--defect",
+    help="What it closes: a closed incision, an outline of landmarks, or region:SUBSET of the tissue's faces; sets "
+    "place and lengths.",
+)
 @click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its direction along the skin.")
 @click.option("--lines", type=click.Choice(["along", "across"]), help="Its direction, by the lines of the skin.")
 @click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the design; may be repeated.")
@@ -203,10 +209,67 @@ def add(
                 place, values = fitted.at, fitted.values
                 given = without_drawn(given, defect)
                 click.echo("Lengths: " + ", ".join(lengths_of(name, values)))
-            made = add_flap(given, name, place, way, values, mirrored=mirrored, start=start)
+            follows = cast("FlapLines", lines or "")
+            made = add_flap(given, name, place, way, values, mirrored=mirrored, start=start, lines=follows)
         write_procedure(made, output)
         click.echo(f"Written: {output}")
         for found in narrow_flaps(made, set()):
+            click.echo(f"{found.severity}: {found}", err=True)
+
+
+@flap.command("edit")
+@click.argument("name")
+@click.argument("procedure", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="The changed procedure (.usda or .usdc).")
+@click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Its new place on the skin, in mm.")
+@click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its new direction along the skin.")
+@click.option("--lines", type=click.Choice(["along", "across"]), help="Its new direction, by the lines of the skin.")
+@click.option("--set", "measures", type=Measure(), multiple=True, help="A new measure; may be repeated.")
+@click.option("--mirrored/--not-mirrored", default=None, help="Whether it is mirrored about its direction.")
+@click.option("--start", type=float, help="New time code before the first cut.")
+@reading_options
+@click.pass_context
+def edit(
+    context: click.Context,
+    /,
+    name: str,
+    procedure: Path,
+    output: Path,
+    at: tuple[float, float, float] | None,
+    direction: tuple[float, float, float] | None,
+    lines: str | None,
+    measures: tuple[tuple[str, float], ...],
+    mirrored: bool | None,
+    start: float | None,
+    limits: ReadLimits,
+) -> None:
+    """Lay the flap NAME of PROCEDURE anew, moved, turned or with other measures; what is not given stays.
+
+    `lappet inspect` lists the flaps that were laid. A flap that was laid by the lines of the skin follows them where it
+    is moved to. Changes that were made to its events by hand are lost, and named.
+    """
+    if direction is not None and lines is not None:
+        raise click.UsageError("Give --direction or --lines, not both.")
+    with sentences(context):
+        from lappet.checks.narrow_flaps import narrow_flaps
+        from lappet.designs.laid_flaps import by_hand, changed_flap, laid_flap, relay
+        from lappet.usd.stage import read_procedure, write_procedure
+
+        given = read_procedure(procedure, limits=limits)
+        changed = changed_flap(
+            given,
+            laid_flap(given, name),
+            at=at,
+            direction=direction,
+            lines=cast("FlapLines | None", lines),
+            measures=dict(measures),
+            mirrored=mirrored,
+            start=start,
+        )
+        made = relay(given, changed)
+        write_procedure(made, output)
+        click.echo(f"Written: {output}")
+        for found in (*by_hand(given, name), *narrow_flaps(made, set())):
             click.echo(f"{found.severity}: {found}", err=True)
 
 

@@ -8,7 +8,7 @@ and the circle's other side.
 It turns about B and slides down by s. Its front, the circle's upper third with s of the incision's edge beyond D, is
 sewn to the defect's lower two thirds; the rest of the incision's edge to the cheek, s lower. What G leaves is closed
 side to side, the stem of a Y in the glabella, with a share of s on the back-cut's outer lip (`STEM`), as the skin
-there comes along.
+there comes along. At G the two incisions meet at some 30°: from a blunter angle a dog-ear would stand up there.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
 STEM = 0.75  # of the slide: how much of the back-cut's outer lip goes into the stem
-OFF = np.radians(23.0)  # of the back-cut from the middle line
+OFF = np.radians(17.0)  # of the back-cut from the middle line
 _STEP = 0.5  # mm from point to point of the defect
 
 
@@ -34,10 +34,10 @@ def dorsal_nasal_flap(
     center: ArrayLike,
     direction: ArrayLike,
     diameter: float,
-    length: float = 48.0,
+    length: float = 52.0,
     half_width: float = 13.0,
-    back_cut: float = 18.0,
-    slide: float = 0.4,
+    back_cut: float = 20.0,
+    slide: float = 0.6,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
@@ -88,7 +88,7 @@ def dorsal_nasal_flap(
     upper = arc(np.zeros(2), r, 60.0, -60.0, _STEP)  # from the pivot's side to D
     lower = arc(np.zeros(2), r, 60.0, 300.0, _STEP)
     apex = np.array([length, 0.0])
-    out, over = upper[-1] + (0.1 * length, -1.25 * half_width), np.array([0.65 * length, -0.75 * half_width])
+    out, over = upper[-1] + (0.1 * length, -1.25 * half_width), np.array([0.6 * length, -0.5 * half_width])
     first, second, third = _parted(bezier(upper[-1], out, over, apex), s)
     pivot = apex + back_cut * np.array([-np.cos(OFF), np.sin(OFF)])  # B
     fork = apex + STEM * s / back_cut * (pivot - apex)
@@ -118,7 +118,7 @@ def dorsal_nasal_flap(
         ),
         (Carry("front", plane.spot((r, 0.0), (2.0 * r, 0.0)), None, lay),),
         (plane.point(flap),),
-        undermined=0.4,
+        undermined=0.9,
     )
 
 
@@ -130,16 +130,17 @@ def _parted(curve: NDArray[np.float64], end: float) -> tuple[NDArray[np.float64]
 
 _RIEGER = "R. A. Rieger, Plast. Reconstr. Surg. 40 (1967) 147"
 _PLACE = "chosen: what lies on a nose"
+_TIP = "chosen: less draws the tip up"
 DORSAL_NASAL = LibraryDesign(
     "dorsal-nasal",
     "Dorsal nasal flap (Rieger)",
     "A defect of the nasal tip or dorsum up to 25 mm wide, filled with the skin of the nose's back and the glabella.",
     (
         Parameter("diameter", "diameter of the defect", "mm", 14.0, 4.0, 25.0, "25 mm or less: Sciegienka 2022"),
-        Parameter("length", "from the defect's middle to the glabellar apex", "mm", 56.0, 25.0, 90.0, _PLACE),
+        Parameter("length", "from the defect's middle to the glabellar apex", "mm", 60.0, 25.0, 90.0, _PLACE),
         Parameter("half_width", "from the middle line to the groove beside the nose", "mm", 14.0, 5.0, 25.0, _PLACE),
-        Parameter("back_cut", "length of the back-cut", "mm", 22.0, 8.0, 40.0, "to above the inner canthus"),
-        Parameter("slide", "how far it slides, in diameters of the defect", "", 0.4, 0.35, 0.7, "chosen"),
+        Parameter("back_cut", "length of the back-cut", "mm", 24.0, 8.0, 40.0, "to above the inner canthus"),
+        Parameter("slide", "how far it slides, in diameters of the defect", "", 0.6, 0.35, 0.7, _TIP),
     ),
     dorsal_nasal_flap,
     "the middle of the defect",

@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import skin_axes
-from lappet.designs.geodesic_drape import GeodesicDrape
+from lappet.designs.geodesic_drape import REACHED, GeodesicDrape
 from lappet.designs.library import library_design
 from lappet.designs.library_design import LibraryDesign
+from lappet.designs.marked_faces import REGION, subset_outline
 from lappet.procedure import Event, Excision, Incision, Landmark, Point, Procedure, Tissue
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.tissue.skin_sheet import SkinSheet
@@ -22,8 +23,6 @@ from lappet.tissue.skin_sheet import SkinSheet
 _SIDES = 36  # directions in which an outline of more edges is measured
 _CONVEX = 0.97  # share of its convex hull that an outline fills at least
 _ROUNDS = 3  # of laying the design where the last round found its place
-_WALKS = 30
-_REACHED = 0.05  # mm beside a point of the defect
 _LEAST_POINTS = 3
 _ALIKE = 1.002  # sizes that differ by less are one: the design lies in the middle of their places
 
@@ -123,18 +122,12 @@ def _sides(row: LibraryDesign, values: Mapping[str, float]) -> tuple[NDArray[np.
 
 def _unrolled(drape: GeodesicDrape, points: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     """The places (n, 3) in the plane, from its middle, that are draped onto points of the skin."""
-    normal = drape.normal
-
-    def in_plane(ways: NDArray[np.float64]) -> NDArray[np.float64]:
-        return ways - np.outer(ways @ normal, normal)
-
-    flat = in_plane(points - drape.middle)
-    for _ in range(_WALKS):
-        off = points - drape(drape.middle + flat)
-        if np.linalg.norm(in_plane(off), axis=1).max() < _REACHED:
-            return flat
-        flat = flat + in_plane(off)
-    worst = points[int(np.linalg.norm(off, axis=1).argmax())]
+    flat = drape.unrolled(points)
+    off = points - drape(drape.middle + flat)
+    off = np.linalg.norm(off - np.outer(off @ drape.normal, drape.normal), axis=1)
+    if off.max() < REACHED:
+        return flat
+    worst = points[int(off.argmax())]
     raise refused(ProblemCode.DESIGN_DEFECT_FAR, name, "({:.1f}, {:.1f}, {:.1f})".format(*worst))
 
 
@@ -216,7 +209,8 @@ def marked_defect(procedure: Procedure, name: str) -> NDArray[np.float64]:
     procedure
         The procedure.
     name
-        Name of a closed incision, or name or label of a landmark of three points or more.
+        Name of a closed incision, or name or label of a landmark of three points or more; "region:" and a name for a
+        face subset of the tissue.
 
     Returns
     -------
@@ -226,8 +220,10 @@ def marked_defect(procedure: Procedure, name: str) -> NDArray[np.float64]:
     Raises
     ------
     RefusedError
-        If the procedure has none of that name.
+        If the procedure has none of that name, or as `lappet.designs.marked_faces.subset_outline`.
     """
+    if name.startswith(REGION):
+        return subset_outline(procedure.tissue, name.removeprefix(REGION))
     drawn = {label: event for event in procedure.events if _is_outline(event) for label in _labels(event)}
     if name not in drawn:
         known = ", ".join(sorted({event.name for event in drawn.values()})) or "none"

@@ -11,6 +11,8 @@ from lappet.procedure import Point
 from lappet.tissue.skin_sheet import SkinSheet
 
 STEP = 0.5  # mm: a line is walked in such steps
+REACHED = 0.05  # mm beside a point that a line should reach
+_WALKS = 30
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class GeodesicDrape:
         points, normals = skin.at(center)
         self.middle, self.normal = points[0], normals[0]
         self._worst: Misfit | None = None
+        self._known: dict[bytes, NDArray[np.float64]] = {}
 
     @property
     def misfit(self) -> Misfit | None:
@@ -71,8 +74,26 @@ class GeodesicDrape:
         NDArray[np.float64]
             Points on the skin in mm, shape (k, 3).
         """
-        offsets = plane - self.middle
-        offsets = offsets - np.outer(offsets @ self.normal, self.normal)
+        known = [self._known.get(point.tobytes()) for point in plane + 0.0] if self._known else []
+        if known and all(point is not None for point in known):
+            return np.array(known)
+        return self._walked(plane)
+
+    def prepare(self, plane: NDArray[np.float64]) -> None:
+        """Drape points that will be asked for, all at once: a design asks for a few at a time, which takes longer.
+
+        Parameters
+        ----------
+        plane
+            Points of the plane in mm, shape (k, 3).
+        """
+        points = np.unique(plane, axis=0)
+        points = points + 0.0  # a zero has one sign
+        self._known |= {point.tobytes(): there for point, there in zip(points, self._walked(points), strict=True)}
+
+    def _walked(self, plane: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Drape points of the plane (k, 3) by walking."""
+        offsets = self._in_plane(plane - self.middle)
         far = np.linalg.norm(offsets, axis=1)
         here = np.tile(self.middle, (len(plane), 1))
         normal = np.tile(self.normal, (len(plane), 1))
@@ -94,6 +115,32 @@ class GeodesicDrape:
             walking[on] = left[on] > 1e-9
         self._note(here, left, far)
         return here
+
+    def unrolled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Find the places in the plane that are draped onto points of the skin.
+
+        Parameters
+        ----------
+        points
+            Points on the skin in mm, shape (k, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Vectors in the plane from the middle in mm, shape (k, 3): by Newton's method with the plane's own metric,
+            which ends after a fixed number of steps where a point cannot be reached.
+        """
+        worst, self._worst, flat = self._worst, None, self._in_plane(points - self.middle)
+        for _ in range(_WALKS):
+            off = self._in_plane(points - self(self.middle + flat))
+            if np.linalg.norm(off, axis=1).max() < REACHED:
+                break
+            flat = flat + off
+        self._worst = worst
+        return flat
+
+    def _in_plane(self, ways: NDArray[np.float64]) -> NDArray[np.float64]:
+        return ways - np.outer(ways @ self.normal, self.normal)
 
     def _note(self, here: NDArray[np.float64], left: NDArray[np.float64], far: NDArray[np.float64]) -> None:
         k = int(left.argmax())

@@ -15,6 +15,7 @@ from lappet.designs.double_keystone_flap import KEYSTONE_III
 from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
 from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
+from lappet.designs.island_v_y import ISLAND_V_Y
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
 from lappet.designs.multiple_rhombic_flaps import DOUBLE_RHOMBIC, TRIPLE_RHOMBIC
@@ -69,6 +70,7 @@ DESIGNS = {
         CRESCENTIC,
         V_Y_PLASTY,
         Y_V_PLASTY,
+        ISLAND_V_Y,
         KEYSTONE,
         KEYSTONE_III,
     )

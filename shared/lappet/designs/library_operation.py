@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import Place, refused
+from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.crossing_cuts import crossing_cuts
+from lappet.designs.event_names import free_name, named_apart
 from lappet.designs.flap_design import FlapDesign
 from lappet.designs.flat_curves import length
-from lappet.designs.geodesic_drape import GeodesicDrape
+from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import library_design
 from lappet.designs.technique import Row, Schedule, Technique
 from lappet.designs.transposition import flap_operation
 from lappet.designs.undermined_area import SkinBorder, contour_around, reaches_border
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.triangulation import triangulate
-from lappet.procedure import Event, Landmark, Point, Procedure, Tissue, Undermine
+from lappet.procedure import Event, FlapLines, LaidFlap, Landmark, Point, Procedure, Tissue, Undermine
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.presets import SKIN
@@ -36,66 +35,6 @@ MARGIN = 24.0  # mm of skin around a design on a patch of its own
 THICKNESS = 4.0  # mm, of such a patch
 SPACING = 4.0 / 3.0  # mm, of its lattice: three cells through the skin
 _UNMEASURED = 4.0  # mm: thickness of a tissue without a bed
-
-
-def flap_on_skin(
-    tissue: Tissue,
-    name: str,
-    at: ArrayLike,
-    direction: ArrayLike,
-    values: Mapping[str, float] | None = None,
-    *,
-    mirrored: bool = False,
-) -> FlapDesign:
-    """Lay a design of the library on a skin, by geodesics from a point of it.
-
-    Parameters
-    ----------
-    tissue
-        The tissue.
-    name
-        Name of the design.
-    at
-        Where it lies in mm, shape (3,); `LibraryDesign.center` says what of it.
-    direction
-        Its direction along the skin, shape (3,).
-    values
-        Values of its parameters that are not the default.
-    mirrored
-        Whether it is mirrored.
-
-    Returns
-    -------
-    FlapDesign
-        The design on the skin.
-
-    Raises
-    ------
-    RefusedError
-        If the library has no such design or the design no such parameter, a value is out of range, the design is larger
-        than the skin there, or its cuts cross.
-    """
-    row = library_design(name)
-    given = row.values(values or {})
-    drape = GeodesicDrape(SkinSheet.of(tissue), at)
-    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, **given)
-    crossing = crossing_cuts(plane)
-    if crossing is not None:
-        on_skin = drape(np.array([crossing]))[0]
-        where = "({:.1f}, {:.1f}, {:.1f}) mm".format(*on_skin)
-        raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
-    design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
-    if drape.misfit is not None:
-        lacking = drape.misfit
-        raise refused(
-            ProblemCode.DESIGN_OFF_SKIN,
-            name,
-            f"{lacking.missing:.1f}",
-            place=Place.at(lacking.point),
-            at="({:.1f}, {:.1f}, {:.1f})".format(*lacking.point),
-            share=f"{math.floor(100.0 * lacking.share)} %",
-        )
-    return design
 
 
 def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique:
@@ -168,6 +107,7 @@ def add_flap(
     *,
     mirrored: bool = False,
     start: float | None = None,
+    lines: FlapLines = "",
 ) -> Procedure:
     """Add the operation of a design to a procedure.
 
@@ -187,29 +127,57 @@ def add_flap(
         Whether it is mirrored.
     start
         Time code before the first cut; None for where the timeline ends, or its start if there are no events.
+    lines
+        How the direction was chosen by the lines of the skin, which it then follows when the flap is moved.
 
     Returns
     -------
     Procedure
-        The procedure with the events, its timeline long enough for them.
+        The procedure with the events and the laid flap, its timeline long enough for them.
 
     Raises
     ------
     RefusedError
         As `flap_on_skin`.
     """
-    tissue = procedure.tissue
-    design = flap_on_skin(tissue, name, at, direction, values, mirrored=mirrored)
-    skin = SkinSheet.of(tissue)
     if start is None:
         timed = any(not isinstance(event, Landmark) for event in procedure.events)
         start = procedure.end_time if timed else procedure.start_time
-    when = schedule(design, start)
-    how = technique(design, thickness_at(tissue, at), tissue.spacing)
-    operation = _kept_inside(tissue, skin, design, how, flap_operation(design, skin, when, how))
-    events = _named_apart(operation, procedure, name)
-    longer = replace(procedure, end_time=max(procedure.end_time, when.end))
+    measures = tuple(library_design(name).values(values or {}).items())
+    (x, y, z), (u, v, w) = np.asarray(at, np.float64).tolist(), np.asarray(direction, np.float64).tolist()
+    laid = LaidFlap("", name, (x, y, z), (u, v, w), measures, mirrored, start, lines)
+    operation, end = flap_events(procedure.tissue, laid)
+    events, prefix = named_apart(operation, procedure, name)
+    laid = replace(laid, name=prefix or free_name(procedure, name), events=tuple(event.name for event in events))
+    longer = replace(procedure, end_time=max(procedure.end_time, end), flaps=(*procedure.flaps, laid))
     return longer.with_events(*events)
+
+
+def flap_events(tissue: Tissue, laid: LaidFlap) -> tuple[tuple[Event, ...], float]:
+    """Make the events of a laid flap.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    laid
+        The flap; of its events nothing is used.
+
+    Returns
+    -------
+    tuple[tuple[Event, ...], float]
+        The events with the names that a design gives them, and the last time code of the operation.
+
+    Raises
+    ------
+    RefusedError
+        As `flap_on_skin`.
+    """
+    design = flap_on_skin(tissue, laid.design, laid.at, laid.direction, dict(laid.measures), mirrored=laid.mirrored)
+    skin = SkinSheet.of(tissue)
+    when = schedule(design, laid.start)
+    how = technique(design, thickness_at(tissue, laid.at), tissue.spacing)
+    return _kept_inside(tissue, skin, design, how, flap_operation(design, skin, when, how)), when.end
 
 
 def _kept_inside(
@@ -319,6 +287,22 @@ def landmark_place(procedure: Procedure, label: str) -> Point:
     raise refused(ProblemCode.DESIGN_LANDMARK, TIMELINE, label, known=known)
 
 
+def has_lines(procedure: Procedure) -> bool:
+    """Tell whether a procedure has lines of the skin.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    bool
+        Whether it has skin lines, or its skin a direction of its fibers.
+    """
+    return bool(procedure.skin_lines) or procedure.material(procedure.tissue.material).has_direction
+
+
 def skin_line_direction(procedure: Procedure, at: ArrayLike, *, across: bool = False) -> NDArray[np.float64]:
     """Find the direction of the lines of the skin at a place, or square to them.
 
@@ -354,25 +338,3 @@ def skin_line_direction(procedure: Procedure, at: ArrayLike, *, across: bool = F
     if not size > 1e-9:
         raise refused(ProblemCode.DESIGN_NO_LINES, TIMELINE, "")
     return (np.cross(normals[0], along) if across else along) / size
-
-
-def _named_apart(events: tuple[Event, ...], procedure: Procedure, name: str) -> tuple[Event, ...]:
-    """The events with names, and labels, that the procedure does not have yet."""
-    taken = {event.name for event in procedure.events}
-    if not taken & {event.name for event in events}:
-        return events
-    number = 2
-    while any(other.startswith(f"{_prim(name)}_{number}_") for other in taken):
-        number += 1
-
-    def renamed(event: Event) -> Event:
-        fresh = f"{_prim(name)}_{number}_{event.name}"
-        if isinstance(event, Landmark):
-            return replace(event, name=fresh, label=f"{name} {number} {event.label}")
-        return replace(event, name=fresh)
-
-    return tuple(renamed(event) for event in events)
-
-
-def _prim(name: str) -> str:
-    return name.replace("-", "_")

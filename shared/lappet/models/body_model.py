@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from lappet.models.body_scenery import body_scenery
 from lappet.models.body_shape import BodyShape
 from lappet.models.body_surface import body_surface
-from lappet.models.landmarks import landmarks_on
+from lappet.models.cleft import in_lip
+from lappet.models.landmarks import cleft_landmarks, landmarks_on
 from lappet.models.model import Model
 from lappet.models.model_choice import SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
 from lappet.models.model_sheet import model_sheet
@@ -46,15 +49,25 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     laxity = checked("laxity", choice.laxity, 0.0, 1.0)
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
     shape = choice.shape or usual_shape(model)
-    around = body_surface(shape, model.surround, model.subdivision)
+    around = body_surface(shape, model.surround, model.subdivision, model.cleft)
     skin = around.inside(model.region)
     tissue = model_sheet(skin, around, thickness + model.fat.mm, spacing, model.name)
+    if model.cleft is not None:
+        bed = tissue.subsets["bed"]
+        below = tissue.points[tissue.face_vertex_indices.reshape(-1, 3)[bed]].mean(axis=1)
+        free = {**tissue.subsets, "bed": bed[~in_lip(skin.on_neutral(below))]}
+        moved = skin.cleft(model.cleft, tissue.points)
+        tissue = replace(tissue, points=moved.astype(np.float32).astype(np.float64), subsets=free)
+        skin = replace(skin, points=tissue.points[: len(skin.points)])  # the skin's vertices are the tissue's first
     if model.face:  # the skin's triangles are the tissue's first
         tissue = replace(tissue, subsets={**tissue.subsets, **subunits(skin)})
-    bed = BEDS[model.bed]
+    support = BEDS[model.bed]
     procedure = Procedure(
-        replace(tissue, bed_stiffness=round(bed.normal, _DIGITS), bed_shear=round(bed.shear, _DIGITS)),
-        events=tuple(place.event() for place in landmarks_on(skin, model.region)),
+        replace(tissue, bed_stiffness=round(support.normal, _DIGITS), bed_shear=round(support.shear, _DIGITS)),
+        events=(
+            *(place.event() for place in landmarks_on(skin, model.region)),
+            *(cleft_landmarks(skin) if model.cleft is not None else ()),
+        ),
         skin_lines=lines_on(skin, model.region, model.lines),
         scenery=body_scenery(shape, model) if choice.scenery else (),
     )

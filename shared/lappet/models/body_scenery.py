@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,7 +40,10 @@ def body_scenery(shape: BodyShape, model: Model) -> tuple[Scenery, ...]:
     RefusedError
         If the shape is refused, or the package is not there.
     """
-    rest = body_surface(shape, model.surround, model.subdivision).within(model.surround).outside(model.region)
+    around = body_surface(shape, model.surround, model.subdivision, model.cleft)
+    if model.cleft is not None:
+        around = replace(around, points=around.cleft(model.cleft))
+    rest = around.within(model.surround).outside(model.region)
     found = [_scenery("skin_around", rest.points, rest.triangles, "skin")]
     mesh, neutral, points = body_mesh(), shaped(NEUTRAL), shaped(shape)
     low, high = (np.array(corner) for corner in model.surround)

@@ -16,12 +16,14 @@ from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.connected_parts import parts_of
 from lappet.models.body_mesh import BODY, body_mesh
 from lappet.models.body_shape import NEUTRAL, BodyShape, shaped
+from lappet.models.cleft import Cleft
 from lappet.models.openings import without_openings
 from lappet.models.region import Ellipsoid
 from lappet.procedure import Point
 from lappet.tissue.crop_mesh import box_levels, crop
 from lappet.tissue.mesh_file import Mesh
 
+_MOUTH = ((-21.0, 138.0, 667.6), (21.0, 138.0, 667.6))  # its corners, mm
 _MARGIN = 25.0  # mm around what is asked for, so that its border is as smooth as the rest
 
 
@@ -62,6 +64,44 @@ class BodySurface:
         weights = _barycentric(closest, self.neutral[self.triangles[faces]])
         carried = np.einsum("kc,kci->ki", weights, self.points[self.triangles[faces]])
         return carried, np.linalg.norm(closest - given, axis=1)
+
+    def cleft(self, cleft: Cleft, points: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """Move points with a cleft of the lip.
+
+        Parameters
+        ----------
+        cleft
+            The cleft; on a shaped body it is as large as the mouth is there.
+        points
+            Points in or on the shaped body in mm, shape (k, 3); None for the vertices.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Where they are with the cleft in mm, shape (k, 3).
+        """
+        corners, _ = self.carried(_MOUTH)
+        scale = float(np.linalg.norm(corners[1] - corners[0]) / np.linalg.norm(np.subtract(*_MOUTH)))
+        if points is None:
+            return np.asarray(self.points + scale * cleft.moved(self.neutral))
+        return np.asarray(points + scale * cleft.moved(self.on_neutral(points)))
+
+    def on_neutral(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Take points of the shaped body to the neutral one, each with the skin that it is nearest to.
+
+        Parameters
+        ----------
+        points
+            Points in or on the shaped body in mm, shape (k, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Points of the neutral body in mm, shape (k, 3).
+        """
+        faces, closest, _ = ClosestPoint(self.points, self.triangles).query(points)
+        weights = _barycentric(closest, self.points[self.triangles[faces]])
+        return np.asarray(np.einsum("kc,kci->ki", weights, self.neutral[self.triangles[faces]]) + points - closest)
 
     def inside(self, region: Ellipsoid) -> BodySurface:
         """Cut out the part that contains the center of a region.
@@ -120,7 +160,9 @@ class BodySurface:
         return _compact(cut.points, cut.triangles)
 
 
-def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -> BodySurface:
+def body_surface(
+    shape: BodyShape, box: tuple[Point, Point], subdivision: int, cleft: Cleft | None = None
+) -> BodySurface:
     """Make the skin of a body in a box.
 
     Parameters
@@ -131,6 +173,8 @@ def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -
         Lowest and highest corner on the neutral body in mm; faces reach a margin beyond.
     subdivision
         How often the faces of the base mesh are divided.
+    cleft
+        The cleft for which skin of the lip is taken out, not moved yet; None for none.
 
     Returns
     -------
@@ -156,7 +200,11 @@ def body_surface(shape: BodyShape, box: tuple[Point, Point], subdivision: int) -
         corners[:, 1] - corners[:, 3], axis=1
     )
     split = np.where(first[:, None], quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]])
-    return BodySurface(values[:, :3], values[:, 3:], split.reshape(-1, 3))
+    triangles = split.reshape(-1, 3)
+    if cleft is not None and cleft.taken_out is not None:
+        cut = crop(Mesh(values, triangles), [cleft.taken_out])
+        return _compact(cut.points, cut.triangles)
+    return BodySurface(values[:, :3], values[:, 3:], triangles)
 
 
 def _compact_quads(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lappet.models.cleft import COMPLETE, INCOMPLETE
 from lappet.models.model import Depth, Model, Trial
 from lappet.models.region import Ellipsoid
 from lappet.models.sources import CHOSEN
@@ -71,6 +72,28 @@ _HEAD_MODELS = (
         Trial((-20.0, 141.0, 655.0), (0.25, 0.0, 1.0), 12.0),
         _HEAD,
         face=True,
+    ),
+    *(
+        Model(
+            name,
+            f"the upper lip and the nose with {what} cleft of the lip on the left",
+            Ellipsoid((0.0, 136.0, 680.0), (46.0, 50.0, 36.0)),
+            Depth(1.2, "BMC 2022", "of the zygoma, as in `lips`"),
+            Depth(2.0, CHOSEN, "to the orbicularis; a lip with a cleft is thin, and so is the nose"),
+            "face",
+            "loose",
+            0.8,
+            1,
+            ("lips", "chin", "cheeks", "nose"),
+            Trial((22.0, 141.0, 655.0), (-0.25, 0.0, 1.0), 12.0),
+            _HEAD,
+            face=True,
+            cleft=cleft,
+        )
+        for name, what, cleft in (
+            ("cleft-lip", "an incomplete", INCOMPLETE),
+            ("cleft-lip-complete", "a complete", COMPLETE),
+        )
     ),
     Model(
         "eyelids",
@@ -204,6 +227,20 @@ _REST = (
         2,
         ("hand",),
         Trial((-484.0, 221.0, 179.0), (-25.0, -55.0, -27.0), 16.0),
+        _HAND,
+    ),
+    Model(
+        "web-space",
+        "the first web space of the left hand, between thumb and index",
+        Ellipsoid((-450.0, 257.0, 168.0), (28.0, 28.0, 28.0)),
+        Depth(1.2, CHOSEN, "thin skin, as on the back of the hand"),
+        Depth(1.2, CHOSEN, "loose areolar tissue above the fascia of the first dorsal interosseus"),
+        "limb",
+        "loose",
+        0.7,
+        2,
+        ("web",),
+        Trial((-452.0, 261.0, 167.0), (-1.0, 0.1, 0.1), 12.0),
         _HAND,
     ),
     Model(

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lappet.models.body_surface import BodySurface
+from lappet.models.cleft import CLEFT_MARKS
 from lappet.models.region import Ellipsoid
 from lappet.procedure import Landmark, Point
 
@@ -107,3 +108,25 @@ def landmarks_on(skin: BodySurface, region: Ellipsoid) -> tuple[Place, ...]:
         for name, (x, y, z), on in zip(named, np.round(points, 4), inside, strict=True)
         if on
     )
+
+
+def cleft_landmarks(skin: BodySurface) -> tuple[Landmark, ...]:
+    """Find the landmarks of a cleft lip's repair.
+
+    Parameters
+    ----------
+    skin
+        The skin of a model with a cleft.
+
+    Returns
+    -------
+    tuple[Landmark, ...]
+        The landmarks; those with several points are lines.
+    """
+    marks = []
+    for name, places in CLEFT_MARKS.items():
+        points = np.round(skin.carried(places)[0], 4)
+        marks.append(
+            Landmark(name, tuple((float(x), float(y), float(z)) for x, y, z in points), name.replace("_", " "))
+        )
+    return tuple(marks)

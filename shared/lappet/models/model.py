@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lappet.models.cleft import Cleft
 from lappet.models.region import Ellipsoid
 from lappet.procedure import Point
 
@@ -80,6 +81,8 @@ class Model:
         Whether it is a woman's unless told otherwise.
     face
         Whether its skin is divided into the aesthetic subunits of the face.
+    cleft
+        The cleft of its lip; None for none.
     """
 
     name: str
@@ -96,6 +99,7 @@ class Model:
     surround: tuple[Point, Point]
     female: bool = False
     face: bool = False
+    cleft: Cleft | None = None
 
     @property
     def thickness(self) -> float:

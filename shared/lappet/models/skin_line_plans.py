@@ -189,6 +189,14 @@ def _hand() -> list[Plan]:
     return [Plan(tuple(middle + s * along + t * across for s in np.arange(-32.0, 33.0, 9.0)), False)]
 
 
+def _web() -> list[Plan]:
+    """Across the web's edge, from the back of the hand to the palm, as its creases run when the thumb is drawn in."""
+    edge, over = np.array([-97.0, -10.0, 5.0]) / 97.6, np.array([0.0, 55.0, 84.0]) / 100.4
+    middle = np.array([-447.0, 260.0, 167.0])
+    t = np.linspace(24.0, -24.0, 17)[:, None]
+    return [Plan(tuple(middle + s * edge + t * over for s in np.arange(-20.0, 21.0, 5.0)), False)]
+
+
 def _breast() -> list[Plan]:
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     rings = [
@@ -230,6 +238,7 @@ FAMILIES: dict[str, Callable[[], list[Plan]]] = {
     "neck": _neck,
     "scalp": _scalp,
     "hand": _hand,
+    "web": _web,
     "breast": _breast,
     "abdomen": _abdomen,
     "thigh": _thigh,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.output.skin_regions import skin_regions
 from lappet.procedure import Undermine
 from lappet.tissue.skin_lines import skin_field
 from lappet.tissue.skin_sheet import SkinSheet
@@ -48,6 +48,12 @@ class Compared:
         Area inside the lines of undermining in mm².
     moved_mm
         By label, how far each landmark has moved in mm.
+    moved_by_mm
+        By label, where to along x, y and z in mm.
+    stretched
+        By label of a landmark of several points, how much longer the line through them is, as a share.
+    regions
+        By name of a region, the greatest (as above) and the mean tension of its skin in kPa.
     """
 
     name: str
@@ -61,6 +67,9 @@ class Compared:
     dog_ear_mm: float
     undermined_mm2: float
     moved_mm: dict[str, float] = field(default_factory=dict)
+    moved_by_mm: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    stretched: dict[str, float] = field(default_factory=dict)
+    regions: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 # What is shown of it: a field, what it is called, its unit.
@@ -94,6 +103,8 @@ def compared(name: str, end: CacheEnd) -> Compared:
     """
     seams = end.measures.values()
     ears = [each[key] for each in seams for key in ("startDogEar", "endDogEar") if math.isfinite(each[key])]
+    single = {label: float(np.linalg.norm(now - rest)) for label, (rest, now) in end.landmarks.items()}
+    lines = {label: float(np.linalg.norm(now - rest, axis=1).max()) for label, (rest, now) in end.lines.items()}
     undermined = [_area(np.array(event.points)) for event in end.procedure.events if isinstance(event, Undermine)]
     return Compared(
         name,
@@ -106,8 +117,24 @@ def compared(name: str, end: CacheEnd) -> Compared:
         sum(each["openArea"] for each in seams),
         max(ears, default=math.nan),
         sum(undermined),
-        {label: float(np.linalg.norm(now - rest)) for label, (rest, now) in end.landmarks.items()},
+        single | lines,
+        {label: _vector(now - rest) for label, (rest, now) in end.landmarks.items()},
+        {label: _length(now) / _length(rest) - 1.0 for label, (rest, now) in end.lines.items()},
+        {name: (_share(*each, share=GREATEST), _mean(*each)) for name, each in skin_regions(end).items()},
     )
+
+
+def _mean(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
+    return float(np.average(values, weights=weights))
+
+
+def _vector(way: NDArray[np.float64]) -> tuple[float, float, float]:
+    x, y, z = way.tolist()
+    return (float(x), float(y), float(z))
+
+
+def _length(line: NDArray[np.float64]) -> float:
+    return max(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()), 1e-9)
 
 
 def comparison_rows(columns: Sequence[Compared]) -> list[list[str]]:
@@ -121,52 +148,72 @@ def comparison_rows(columns: Sequence[Compared]) -> list[list[str]]:
     Returns
     -------
     list[list[str]]
-        Rows of text: what it is with its unit, then the values; landmarks last, those that more than one has.
+        Rows of text: what it is with its unit, then the values; then regions and landmarks, those that more than one
+        has.
     """
-    rows = [[f"{title}, {unit}", *(_text(getattr(each, name)) for each in columns)] for name, title, unit in SHOWN]
-    labels = dict.fromkeys(label for each in columns for label in each.moved_mm)
-    for label in labels:
-        if sum(label in each.moved_mm for each in columns) > 1 or len(columns) == 1:
-            moved = [_text(each.moved_mm.get(label, math.nan)) for each in columns]
-            rows.append([f"{label} moved, mm", *moved])
+    rows = [[f"{title}, {unit}", *(value_text(getattr(each, name)) for each in columns)] for name, title, unit in SHOWN]
+    for name in shared_names([each.regions for each in columns]):
+        pairs = [each.regions.get(name, (math.nan, math.nan)) for each in columns]
+        rows.append([f"{name}: greatest tension, kPa", *(value_text(greatest) for greatest, _ in pairs)])
+        rows.append([f"{name}: mean tension, kPa", *(value_text(mean) for _, mean in pairs)])
+    for label in shared_names([each.moved_mm for each in columns]):
+        rows.append([f"{label} moved, mm", *(value_text(each.moved_mm.get(label, math.nan)) for each in columns)])
+        by = [" ".join(f"{v:.1f}" for v in each.moved_by_mm.get(label, ())) for each in columns]
+        if any(by):
+            rows.append([f"{label} moved along x, y, z, mm", *by])
+        if any(label in each.stretched for each in columns):
+            longer = [value_text(100.0 * each.stretched.get(label, math.nan)) for each in columns]
+            rows.append([f"{label} longer, %", *longer])
     return rows
 
 
-def plot_comparison(columns: Sequence[Compared], path: Path) -> None:
-    """Draw the measures as bars.
+def shared_names(columns: Sequence[Mapping[str, object]]) -> list[str]:
+    """List the names that more than one operation has, in their order.
 
     Parameters
     ----------
     columns
-        The operations.
-    path
-        The picture (.png, .svg or .pdf).
+        Something by name, of each operation.
+
+    Returns
+    -------
+    list[str]
+        The names; all of them where there is one operation alone.
     """
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(3, 3, figsize=(10.0, 7.5), layout="constrained")
-    colors = [f"C{k}" for k in range(len(columns))]
-    for axis, (name, title, unit) in zip(axes.flat, SHOWN, strict=True):
-        values = [getattr(each, name) for each in columns]
-        axis.barh(
-            [each.name for each in columns], [value if math.isfinite(value) else 0.0 for value in values], color=colors
-        )
-        axis.invert_yaxis()
-        axis.set_title(f"{title} ({unit})", fontsize=9)
-        axis.tick_params(labelsize=8)
-        axis.margins(x=0.2)
-        for k, value in enumerate(values):
-            axis.text(
-                value if math.isfinite(value) else 0.0, k, f" {_text(value) or 'not known'}", va="center", fontsize=8
-            )
-    figure.savefig(path, dpi=150)
-    pyplot.close(figure)
+    names = dict.fromkeys(name for each in columns for name in each)
+    return [name for name in names if len(columns) == 1 or sum(name in each for each in columns) > 1]
 
 
-def _text(value: float) -> str:
+def one_line(column: Compared) -> str:
+    """Write what is measured of an operation in a line.
+
+    Parameters
+    ----------
+    column
+        The operation.
+
+    Returns
+    -------
+    str
+        What is known of it, with units.
+    """
+    said = [(title, value_text(getattr(column, name)), unit) for name, title, unit in SHOWN]
+    return "; ".join(f"{title} {text}{'' if unit == '°' else ' '}{unit}" for title, text, unit in said if text)
+
+
+def value_text(value: float) -> str:
+    """Write a value of the table.
+
+    Parameters
+    ----------
+    value
+        The value.
+
+    Returns
+    -------
+    str
+        Three digits, or whole above 100; nothing where it is not known.
+    """
     if not math.isfinite(value):
         return ""
     return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"

@@ -231,6 +231,7 @@ def _forces(result: SolveResult) -> dict[str, Any]:
 def _sums(sums: ForceSums) -> dict[str, Any]:
     """The forces of a frame summed up, its closures by their names."""
     values = asdict(sums)
+    del values["coarse_share"]  # of use where the sums of two solves are divided
     values["closures"] = {each.pop("closure"): each for each in values["closures"]}
     return values
 

@@ -21,6 +21,7 @@ from lappet.procedure.events import (
     Undermine,
 )
 from lappet.procedure.exact_values import Point
+from lappet.procedure.laid_flap import FlapLines, LaidFlap
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
@@ -51,8 +52,10 @@ __all__ = [
     "Bone",
     "Event",
     "Excision",
+    "FlapLines",
     "Hook",
     "Incision",
+    "LaidFlap",
     "Landmark",
     "Material",
     "Point",

@@ -19,6 +19,7 @@ SKIN_LINES = f"{ROOT}/SkinLines"
 
 ANATOMY = f"{ROOT}/Anatomy"
 SCENERY = f"{ROOT}/Scenery"
+FLAPS = f"{ROOT}/Flaps"
 
 
 TIMELINE = f"{ROOT}/Timeline"

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
+from lappet.procedure.laid_flap import LaidFlap
 from lappet.procedure.scenery import Scenery
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
@@ -47,6 +48,8 @@ class Procedure:
         Vessels and nerves in the tissue.
     scenery
         Meshes that are shown around the tissue and not solved.
+    flaps
+        What of the events the flap library made, and how; they act without it.
 
     Examples
     --------
@@ -68,6 +71,7 @@ class Procedure:
     skin_lines: tuple[SkinLine, ...] = ()
     vessels: tuple[Vessel, ...] = ()
     scenery: tuple[Scenery, ...] = ()
+    flaps: tuple[LaidFlap, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -165,6 +169,7 @@ class Procedure:
             and self.skin_lines == other.skin_lines
             and self.vessels == other.vessels
             and self.scenery == other.scenery
+            and self.flaps == other.flaps
             and self.tissue == other.tissue
         )
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from lappet.procedure.event_text import describe, duration_text
 from lappet.procedure.events import Event, Landmark, begins, kind_words
+from lappet.procedure.laid_flap import LaidFlap
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
@@ -45,6 +46,7 @@ def storyboard(procedure: Procedure) -> str:
         lines.append(f"  scenery    {each.name}: {each.kind}, {len(each.face_vertex_counts)} faces")
     lines += [f"  region     {_region(region)}" for region in tissue.regions]
     lines += [f"  {vessel.kind:<9}  {_vessel(vessel)}" for vessel in procedure.vessels]
+    lines += [f"  flap       {_flap(flap)}" for flap in procedure.flaps]
     if tissue.subsets:
         held = ", ".join(f"{name} ({len(faces)})" for name, faces in tissue.subsets.items())
         lines.append(f"  faces      {held}")
@@ -163,6 +165,12 @@ def _vessel(vessel: Vessel) -> str:
     course = ", a typical course" if vessel.typical_course else ""
     label = f" {vessel.label!r}" if vessel.label else ""
     return f"{vessel.name}:{label} of radius {number(vessel.radius)} mm through {len(vessel.points)} points{course}"
+
+
+def _flap(flap: LaidFlap) -> str:
+    measures = ", ".join(f"{name} {number(value)}" for name, value in flap.measures)
+    mirrored = ", mirrored" if flap.mirrored else ""
+    return f"{flap.name}: {flap.design} at {place(flap.at)} mm, {measures}{mirrored}, {len(flap.events)} events"
 
 
 def _size(points: np.ndarray) -> str:

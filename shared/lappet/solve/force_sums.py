@@ -66,6 +66,8 @@ class ForceSums:
         Closure by closure.
     total_error_mn, greatest_error_mn
         Estimated errors in mN; None without an estimate.
+    coarse_share
+        Sum on the coarse lattice over that here, of the sutures that both resolve; None without an estimate.
     """
 
     total_mn: float
@@ -76,6 +78,7 @@ class ForceSums:
     closures: tuple[ClosureForces, ...]
     total_error_mn: float | None = None
     greatest_error_mn: float | None = None
+    coarse_share: float | None = None
 
 
 def force_sums(rows: Sequence[SutureForce], seams: Sequence[SeamState] = ()) -> ForceSums:

@@ -252,7 +252,9 @@ def _of_hook(row: HookForce, pulls: Mapping[str, float], reckoning: Reckoning) -
 def _of_sums(sums: ForceSums, seams: Sequence[SeamState], ratios: _Ratios, reckoning: Reckoning) -> ForceSums:
     scars = {closure: _relative_length(state.measure) for state in seams for closure in state.closures}
     closures = (_of_closure(each, reckoning.of_ratio(ratios.of([each.closure])), scars) for each in sums.closures)
-    return replace(sums, closures=tuple(closures), total_error_mn=sums.total_mn * reckoning.of_ratio(ratios.of()))
+    total = ratios.of()
+    error = sums.total_mn * reckoning.of_ratio(total)
+    return replace(sums, closures=tuple(closures), total_error_mn=error, coarse_share=total)
 
 
 def _of_closure(closure: ClosureForces, relative: float, scars: Mapping[str, float]) -> ClosureForces:

@@ -6,7 +6,7 @@ single sutures only.
 
 from __future__ import annotations
 
-from lappet.suturing.stitches_of_run import RunStitches, run_stitches
 from lappet.suturing.single_sutures import with_single_sutures
+from lappet.suturing.stitches_of_run import RunStitches, run_stitches
 
 __all__ = ["RunStitches", "run_stitches", "with_single_sutures"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,39 @@ from lappet.usd.stage import open_stage, read_procedure
 from lappet.usd.stage_contents import ValueSizes
 
 _SKIN = "/Procedure/Skin"
+
+
+@dataclass(frozen=True, eq=False)
+class SkinEnd:
+    """The skin in the last frame.
+
+    Parameters
+    ----------
+    triangles
+        Its triangles, shape (t, 3).
+    rest
+        Points at rest in mm, shape (n, 3).
+    points
+        Points in the frame in mm, shape (n, 3).
+    tension
+        Mean tension at the points in kPa, shape (n,).
+    """
+
+    triangles: NDArray[np.int64]
+    rest: NDArray[np.float64]
+    points: NDArray[np.float64]
+    tension: NDArray[np.float64]
+
+    def areas(self) -> NDArray[np.float64]:
+        """Measure the triangles in the frame.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Their areas in mm², shape (t,).
+        """
+        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
+        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +78,11 @@ class CacheEnd:
         Mean tension at the points of the skin in kPa, shape (n,); empty where the cache has none.
     area
         Area of the skin around each of these points in mm², shape (n,).
+    lines
+        By the label of a landmark of several points that no design made, its points at rest and in the frame in mm,
+        each of shape (k, 3).
+    skin
+        The skin; None where the cache has no tension.
     """
 
     procedure: Procedure
@@ -55,6 +93,8 @@ class CacheEnd:
     landmarks: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
     tension: NDArray[np.float64]
     area: NDArray[np.float64]
+    lines: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
+    skin: SkinEnd | None = None
 
 
 def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> CacheEnd:
@@ -88,22 +128,24 @@ def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LI
         raise refused(ProblemCode.COMPARE_NO_CACHE, file, file.name)
     last = times[-1]
     shown = next(prim for prim in reversed(meshes) if last in prim.GetAttribute("points").GetTimeSamples())
-    tension, area = _skin(shown, last)
+    skin = _skin(shown, last)
     seams = stage.GetPrimAtPath(f"{_SKIN}/Seams")
     names = _labels(seams)
     lines = _array(seams, "points", last).reshape(len(names), -1, 3) if names else np.zeros((0, 0, 3))
     active = _array(seams, "primvars:active", last).astype(bool) if names else np.zeros(0, bool)
     own = {key: _array(seams, f"primvars:{key}", last) for key in MEASURES} if names else {}
     kept = [k for k in range(len(names)) if active[k]]
+    marks = stage.GetPrimAtPath(f"{_SKIN}/Landmarks")
     return CacheEnd(
         procedure,
         last,
         _forces(stage.GetPrimAtPath(f"{_SKIN}/Sutures"), last),
         {names[k]: lines[k] for k in kept},
         {names[k]: {key: float(values[k]) for key, values in own.items()} for k in kept},
-        _landmarks(stage.GetPrimAtPath(f"{_SKIN}/Landmarks"), procedure, last),
-        tension,
-        area,
+        _landmarks(marks, procedure, last),
+        *_by_point(skin),
+        _lines(marks, procedure, last),
+        skin,
     )
 
 
@@ -149,17 +191,40 @@ def _landmarks(
     }
 
 
-def _skin(mesh: Any, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Tension and area of the skin's points."""
+def _lines(marks: Any, procedure: Procedure, time: float) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """The landmarks of several points that no design made: the margin of a lid, a line along a lip."""
+    names = _labels(marks)
+    if not names:
+        return {}
+    made = {name for flap in procedure.flaps for name in flap.events}
+    now, active = _array(marks, "points", time), _array(marks, "primvars:active", time)
+    index = {name: k for k, name in enumerate(names) if active[k]}
+    found = {}
+    for event in procedure.events:
+        if not isinstance(event, Landmark) or len(event.points) < 2 or event.name in made:
+            continue
+        own = [index[name] for k in range(len(event.points)) if (name := f"{event.label} {k + 1}") in index]
+        if len(own) == len(event.points):
+            found[event.label] = (np.array(event.points, np.float64), now[own])
+    return found
+
+
+def _skin(mesh: Any, time: float) -> SkinEnd | None:
+    """The skin of an epoch; None where the cache has no tension."""
     attribute = mesh.GetAttribute("primvars:tension")
     if not attribute or not attribute.HasValue():
-        return np.zeros(0), np.zeros(0)
+        return None
     skin = np.asarray(mesh.GetPrim().GetChild("skin").GetAttribute("indices").Get(), np.int64)
     triangles = np.asarray(mesh.GetAttribute("faceVertexIndices").Get(), np.int64).reshape(-1, 3)[skin]
-    points = _array(mesh, "points", time)
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
-    area = np.zeros(len(points))
-    np.add.at(area, triangles.ravel(), np.repeat(third, 3))
+    rest = np.asarray(mesh.GetAttribute("points").Get(), np.float64)
+    return SkinEnd(triangles, rest, _array(mesh, "points", time), _array(mesh, "primvars:tension", time))
+
+
+def _by_point(skin: SkinEnd | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Tension and area of the skin's points."""
+    if skin is None:
+        return np.zeros(0), np.zeros(0)
+    area = np.zeros(len(skin.points))
+    np.add.at(area, skin.triangles.ravel(), np.repeat(skin.areas() / 3.0, 3))
     on = area > 0.0
-    return _array(mesh, "primvars:tension", time)[on], area[on]
+    return skin.tension[on], area[on]

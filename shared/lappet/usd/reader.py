@@ -28,6 +28,7 @@ from lappet.procedure import (
     VesselKind,
 )
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
+from lappet.usd.flap_prims import read_flap
 from lappet.usd.values import Reader
 
 PRIM_TYPES = {
@@ -39,6 +40,7 @@ PRIM_TYPES = {
     "LappetSkinLineAPI": "BasisCurves",
     "LappetVesselAPI": "BasisCurves",
     "LappetSceneryAPI": "Mesh",
+    "LappetFlapAPI": "Scope",
     **EVENT_PRIMS,
 }
 
@@ -85,6 +87,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
         vessels=tuple(_vessel(reader, prim) for prim in found["LappetVesselAPI"]),
         scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
+        flaps=tuple(read_flap(reader, prim) for prim in found["LappetFlapAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -96,7 +99,7 @@ def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
     found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": []}
-    found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "events": []}
+    found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "LappetFlapAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
         for schema in schemas:

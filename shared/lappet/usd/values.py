@@ -299,6 +299,30 @@ class Reader:
             return np.zeros(0, np.int32)
         return array.astype(np.int32)
 
+    def numbers(self, prim: Any, name: str) -> tuple[float, ...]:
+        """Read an array of numbers.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+
+        Returns
+        -------
+        tuple[float, ...]
+            The numbers; none where they could not be read or nothing is authored.
+        """
+        value = self._value(prim, name, False)
+        if value is None:
+            return ()
+        array = _numbers(value)
+        if array is None or array.ndim != 1:
+            self._wrong_type(prim, name, value, "an array of numbers")
+            return ()
+        return tuple(float(each) for each in array)
+
     def target(self, prim: Any, name: str) -> str:
         """Read a relationship's one target.
 

@@ -14,10 +14,11 @@ import numpy as np
 from lappet.core.problem import RefusedError
 from lappet.procedure import Material, Procedure, Region, Roller, SkinLine, Tissue, Vessel
 from lappet.procedure.prim_names import name_problems
-from lappet.procedure.prim_paths import ANATOMY, BONE, MATERIALS, ROOT, SCENERY, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, ROOT, SCENERY, SKIN_LINES, TIMELINE, TISSUE
 from lappet.procedure.vessel import VESSEL_COLORS
 from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
+from lappet.usd.flap_prims import write_flap
 
 FAMILY = "lappet"
 
@@ -80,6 +81,10 @@ def layer(procedure: Procedure, usd: Any) -> Any:
     usd.UsdGeom.Scope.Define(stage, TIMELINE)
     for event in procedure.events:
         write_event(stage, usd, event)
+    if procedure.flaps:
+        usd.UsdGeom.Scope.Define(stage, FLAPS)
+    for flap in procedure.flaps:
+        write_flap(stage, usd, flap)
     return fresh
 
 

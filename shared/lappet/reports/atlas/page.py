@@ -1,4 +1,4 @@
-"""The page of the flap library: every design with its measures, sources, filmstrip and what the atlas measured."""
+"""The page of the flap library: how it is used, and every design with what the atlas measured."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from lappet.bench.tables import markdown_table
-from lappet.designs.flap_plan import flap_plan
+from lappet.core.value_with_error import with_error
 from lappet.designs.library import DESIGNS
-from lappet.designs.library_design import LibraryDesign
 from lappet.reports.report_files import described
+
+FOLDER = "flaps"  # beside the page, with a page of each design
 
 _INTRODUCTION = """# The flap library
 
-`make docs` writes this page from `shared/lappet/designs/` and from the last `make atlas`, which solves and draws every
-design at its defaults on a flat patch of the default skin, 4 mm thick.
+`make docs` writes this page, and one for each design, from `shared/lappet/designs/` and from the last `make atlas`,
+which solves and draws every design at its defaults on a flat patch of the default skin, 4 mm thick. On the site
+(`make site`) the page of a design also offers its operation as a file.
 
 ```
 lappet flap list                                     # the designs
@@ -24,6 +26,7 @@ lappet flap add limberg -o flap.usda                 # on a flat patch of its ow
 lappet flap add bilobed face.usda -o flap.usda --at 2 -10 -14 --direction 0 0 1 --set diameter=8
 lappet flap add fusiform face.usda -o flap.usda --landmark lesion --lines along
 lappet flap add limberg face.usda -o flap.usda --defect lesion --lines across  # as large as what is drawn
+lappet flap edit limberg flap.usda -o flap.usda --set side=14 --mirrored       # laid anew, the rest as it was
 ```
 
 `add` writes the whole operation: cuts, excision, undermining, hooks that carry the flap, three rows of sutures (deep,
@@ -31,8 +34,18 @@ dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add >
 the timeline's panel. A design is laid on
 curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
 skin, it is refused with the place and the share that fits. With `--defect`, the name of a closed incision or of a
-landmark of three points or more, the design lies where that is, as the smallest of its shape whose excision holds it,
-and its own excision takes the drawn one's place. In Python:
+landmark of three points or more, or *region:* and the name of a face subset of the tissue, the design lies where that
+is, as the smallest of its shape whose excision holds it, and its own excision takes the drawn one's place.
+
+The procedure remembers how its flaps were laid (a prim with `LappetFlapAPI` for each; `lappet inspect` lists them), so
+`lappet flap edit` and the handles in Blender can move, turn and change one later. Its events are then laid anew: what
+was changed on them by hand is lost, and named.
+
+`lappet compare one.usdc other.usdc` holds solved operations beside each other: closing force, greatest and mean tension
+of the skin as a whole, near the scar and in each face subset, scar length and its direction against the skin lines,
+dog-ear, undermined area, and where landmarks went; `-o` draws it as bars, `--plate` as a plate of plans and results.
+
+In Python:
 
 ```python
 from lappet.designs import DESIGNS, fit_to_defect, flap_on_patch
@@ -44,13 +57,20 @@ fitted = fit_to_defect(procedure.tissue, "limberg", [(0, 0, 4), (9, 0, 4), (9, 6
 print(fitted.at, fitted.values)
 ```
 
+```python
+from lappet.designs import changed_flap, flap_on_patch, relay
+
+procedure = flap_on_patch("limberg")
+print(relay(procedure, changed_flap(procedure, procedure.flaps[0], measures={"side": 14.0})).flaps)
+```
+
 Drawings and steps follow the sources given. The numbers are the program's own for its default skin, with their
 estimated errors; they are not fitted to anything, and no design was compared with patients.
 """
 
 
 def flap_page(results: Mapping[str, Any]) -> str:
-    """Write the page of the flap library.
+    """Write the page of the flap library, from which each design has a page of its own.
 
     Parameters
     ----------
@@ -63,8 +83,7 @@ def flap_page(results: Mapping[str, Any]) -> str:
         The text of docs/flaps.md.
     """
     rows = {row["name"]: row for row in results["rows"]}
-    parts = [_INTRODUCTION, _overview(rows, float(results["spacing_mm"])), _runs(results) + "\n"]
-    return "\n".join([*parts, *(_section(design, rows.get(name)) for name, design in DESIGNS.items())])
+    return "\n".join([_INTRODUCTION, _overview(rows, float(results["spacing_mm"])), _runs(results) + "\n"])
 
 
 def _runs(results: Mapping[str, Any]) -> str:
@@ -80,14 +99,14 @@ def _runs(results: Mapping[str, Any]) -> str:
 def _overview(rows: Mapping[str, Mapping[str, Any]], spacing: float) -> str:
     table = [
         [
-            f"[{design.title}](#{design.name})",
+            f"[{design.title}]({FOLDER}/{design.name}.md)",
             "not solved" if name not in rows else f"{rows[name]['frames']} of {rows[name]['of_frames']}",
-            _measured(rows, name, "total_force"),
-            _measured(rows, name, "greatest_force"),
-            _measured(rows, name, "tension"),
-            _plain(rows, name, "scar_length"),
-            _plain(rows, name, "open_area"),
-            _plain(rows, name, "overlap"),
+            measured_text(rows, name, "total_force"),
+            measured_text(rows, name, "greatest_force"),
+            measured_text(rows, name, "tension"),
+            plain_text(rows, name, "scar_length"),
+            plain_text(rows, name, "open_area"),
+            plain_text(rows, name, "overlap"),
         ]
         for name, design in DESIGNS.items()
     ]
@@ -108,42 +127,45 @@ def _overview(rows: Mapping[str, Mapping[str, Any]], spacing: float) -> str:
     return about + markdown_table(headings, table) + "\n"
 
 
-def _section(design: LibraryDesign, row: Mapping[str, Any] | None) -> str:
-    measures = [
-        [
-            f"`{parameter.name}`",
-            parameter.meaning,
-            f"{parameter.default:g} {parameter.unit}".strip(),
-            parameter.range_text,
-            parameter.source,
-        ]
-        for parameter in design.parameters
-    ]
-    lines = [f"## {design.name}", "", f"**{design.title}.** {design.indication}", ""]
-    lines += [f"![Plan: {design.title}](images/flaps/{design.name}_plan.svg)", "", *_meetings(design)]
-    if row is not None:
-        lines += [f"![{design.title}, step by step](images/flaps/{design.name}.jpg)", ""]
-    lines += [f"`--at` is {design.center}, `--direction` {design.direction}.", ""]
-    if design.lines:
-        lines += [f"Surgeons lay the direction {design.lines} the lines of the skin: `--lines {design.lines}`.", ""]
-    lines += [markdown_table(["measure", "what it is", "default", "range", "source"], measures), ""]
-    lines += [f"Sources: {design.sources}", ""]
-    return "\n".join(lines)
+def measured_text(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
+    """Write what the atlas measured with its estimated error.
 
+    Parameters
+    ----------
+    rows
+        The atlas's rows by design.
+    name
+        Name of the design.
+    what
+        Name of the measure.
 
-def _meetings(design: LibraryDesign) -> list[str]:
-    pairs = [f"{flap} and {wound}" for flap, wound in flap_plan(design).meetings]
-    return [f"In the end meet: {', '.join(pairs)}.", ""] if pairs else []
-
-
-def _measured(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
+    Returns
+    -------
+    str
+        The number and its error; nothing where it was not measured.
+    """
     value = rows.get(name, {}).get(what)
     if value is None:
         return ""
-    number, error = value
-    return f"{number:.3g}" if error is None else f"{number:.3g} ± {error:.1g}"
+    return with_error(*value)
 
 
-def _plain(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
+def plain_text(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
+    """Write what the atlas measured without an error.
+
+    Parameters
+    ----------
+    rows
+        The atlas's rows by design.
+    name
+        Name of the design.
+    what
+        Name of the measure.
+
+    Returns
+    -------
+    str
+        The number; nothing where it was not measured.
+    """
     value = rows.get(name, {}).get(what)
     return "" if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"

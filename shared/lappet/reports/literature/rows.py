@@ -13,6 +13,7 @@ from lappet.reports.literature.measured import (
     Measure,
     Measured,
     closing_force,
+    closing_share,
     designed_arc,
     dog_ear,
     gape,
@@ -91,7 +92,7 @@ def _best_beside_60(*results: SolveResult) -> Measured:
 
 def _share_off(held: SolveResult, freed: SolveResult) -> Measured:
     """What undermining takes off the closing force, per cent."""
-    return Measured(1.0, 0.0).minus(closing_force(freed).per(closing_force(held))).times(100.0)
+    return Measured(1.0, 0.0).minus(closing_share(held, freed)).times(100.0)
 
 
 def _scar_length(ratio: int) -> Published:

@@ -1,0 +1,112 @@
+"""`lappet plate`: a page of drawings of a solved procedure, for print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lappet.commands.parameters import FILE, FrameList, PlaneNumbers
+from lappet.commands.reading_options import reading_options
+from lappet.commands.refusals import sentences
+from lappet.foreign.limits import ReadLimits
+
+_STYLES = ("ink", "schematic", "halftone", "wash")
+_LANGUAGES = ("en", "de", "fr", "es", "zh")
+_MAPS = ("tension", "strain", "stress")
+_VIEWS = ("oblique", "top", "low")
+
+
+class PanelCaption(click.ParamType):
+    """The caption of a panel: `B=Skin excised`."""
+
+    name = "LETTER=TEXT"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read a caption.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the pair itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The pair (index of the panel, text).
+        """
+        if isinstance(value, tuple):
+            return value
+        letter, equals, text = str(value).partition("=")
+        letter = letter.strip().upper()
+        if not equals or len(letter) != 1 or not "A" <= letter <= "Z":
+            self.fail(f"{value!r} is no caption; give LETTER=TEXT, like B='Skin excised'.", param, ctx)
+        return (ord(letter) - ord("A"), text.strip())
+
+
+@click.command()
+@click.argument("caches", type=FILE, nargs=-1, required=True)
+@click.option(
+    "-o", "--output", "picture", type=FILE, required=True, help="The plate (.svg, .pdf, .png, .tif or .tiff)."
+)
+@click.option("--style", type=click.Choice(_STYLES), default="schematic", show_default=True, help="How it is drawn.")
+@click.option("--skin-tone", "tone", type=click.IntRange(1, 10), help="Tone of the skin on the Monk scale, 1 to 10.")
+@click.option("--frames", type=FrameList(), help="Time codes of the panels.  [default: the operation's steps]")
+@click.option("--caption", "captions", type=PanelCaption(), multiple=True, help="A panel's caption in other words.")
+@click.option("--width-mm", "width", type=float, default=174.0, show_default=True, help="Width in print.")
+@click.option("--columns", type=click.IntRange(1, 12), help="Panels in a row.  [default: as many as fit]")
+@click.option("--view", type=click.Choice(_VIEWS), default="oblique", show_default=True, help="Where the camera is.")
+@click.option(
+    "--dpi", type=click.IntRange(72, 2400), default=300, show_default=True, help="Pixels per inch of what is no line."
+)
+@click.option("--language", type=click.Choice(_LANGUAGES), default="en", show_default=True)
+@click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
+@click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
+@click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process, for a TIFF in CMYK.")
+@click.option("--transparent", is_flag=True, help="Leave the paper out.")
+@click.option(
+    "--section", type=PlaneNumbers(), help="Show a cross-section in every panel but the plan: a point in mm, a normal."
+)
+@click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
+@click.option(
+    "--landmark", "landmarks", multiple=True, metavar="LABEL", help="A landmark that is named where it is seen."
+)
+@click.option("--labels/--no-labels", default=True, show_default=True, help="Names with leaders.")
+@click.option("--letters/--no-letters", default=True, show_default=True, help="Letters at the corners of cuts.")
+@click.option("--arrows/--no-arrows", default=True, show_default=True, help="Ways of the flaps.")
+@click.option("--measures/--no-measures", default=True, show_default=True, help="Lengths and angles of the plan.")
+@click.option("--instruments/--no-instruments", default=True, show_default=True, help="Hooks.")
+@reading_options
+@click.pass_context
+def plate(
+    context: click.Context,
+    /,
+    caches: tuple[Path, ...],
+    picture: Path,
+    style: str,
+    tone: int | None,
+    frames: tuple[float, ...] | None,
+    captions: tuple[tuple[int, str], ...],
+    language: str,
+    own: Path | None,
+    font: Path | None,
+    dpi: int,
+    profile: Path | None,
+    transparent: bool,
+    limits: ReadLimits,
+    **shown: Any,
+) -> None:
+    """Draw a plate: the steps of a solved procedure with captions, labels and measures, or several side by side."""
+    with sentences(context):
+        from lappet.plates.draw_plate import PlateOptions, draw_plate
+
+        options = PlateOptions(
+            style, tone, frames, dict(captions), language, own, font, dpi, profile, transparent, shown
+        )
+        draw_plate(caches, [picture], options, limits)
+        click.echo(picture)

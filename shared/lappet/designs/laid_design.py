@@ -1,0 +1,128 @@
+"""A design of the library laid on a skin, or refused with where and why it does not fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.designs.crossing_cuts import crossing_cuts
+from lappet.designs.flap_design import FlapDesign
+from lappet.designs.geodesic_drape import GeodesicDrape, Misfit
+from lappet.designs.library import library_design
+from lappet.designs.skin_holes import SkinHoles
+from lappet.procedure import Tissue
+from lappet.tissue.skin_sheet import SkinSheet
+
+OFF_SKIN = 10.0  # mm from the skin: a place typed by hand, or the middle of an outline, is nearer
+
+
+def flap_on_skin(
+    tissue: Tissue,
+    name: str,
+    at: ArrayLike,
+    direction: ArrayLike,
+    values: Mapping[str, float] | None = None,
+    *,
+    mirrored: bool = False,
+) -> FlapDesign:
+    """Lay a design of the library on a skin, by geodesics from a point of it.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    name
+        Name of the design.
+    at
+        Where it lies in mm, shape (3,); `LibraryDesign.center` says what of it.
+    direction
+        Its direction along the skin, shape (3,).
+    values
+        Values of its parameters that are not the default.
+    mirrored
+        Whether it is mirrored.
+
+    Returns
+    -------
+    FlapDesign
+        The design on the skin.
+
+    Raises
+    ------
+    RefusedError
+        If the library has no such design or the design no such parameter, a value is out of range, the place is not on
+        the skin, the design is larger than the skin there or lies across a hole of it, or its cuts cross.
+    """
+    row = library_design(name)
+    given = row.values(values or {})
+    drape = GeodesicDrape(SkinSheet.of(tissue), at)
+    require_on_skin(name, at, drape.middle)
+    asked: list[NDArray[np.float64]] = []
+
+    def flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        asked.append(points)
+        return points
+
+    plane = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=flat, **given)
+    crossing = crossing_cuts(plane)
+    if crossing is not None:
+        on_skin = drape(np.array([crossing]))[0]
+        where = f"{_place_text(on_skin)} mm"
+        raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
+    drape.prepare(np.vstack(asked))
+    design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
+    holes = SkinHoles(tissue)
+    if drape.misfit is not None:
+        _refuse_misfit(name, drape.misfit, holes)
+    if holes:
+        points = np.unique(np.vstack(asked), axis=0)
+        crossed = holes.crossed(drape.middle, drape(points), np.linalg.norm(points - drape.middle, axis=1))
+        if crossed is not None:
+            size, where = f"{crossed.size:.3g}", _place_text(crossed.middle)
+            raise refused(
+                ProblemCode.DESIGN_ACROSS_HOLE, name, size, place=Place.at(crossed.middle), at=where, share="less"
+            )
+    return design
+
+
+def require_on_skin(name: str, at: ArrayLike, on_skin: NDArray[np.float64]) -> None:
+    """Refuse a place that is not on the skin.
+
+    Parameters
+    ----------
+    name
+        Name of the design.
+    at
+        The place in mm, shape (3,).
+    on_skin
+        The point of the skin that is closest to it in mm, shape (3,).
+
+    Raises
+    ------
+    RefusedError
+        If they are more than `OFF_SKIN` apart.
+    """
+    away = float(np.linalg.norm(np.asarray(at, np.float64) - on_skin))
+    if not away <= OFF_SKIN:
+        raise refused(ProblemCode.DESIGN_PLACE_OFF, name, f"{away:.3g}", at=_place_text(at), near=_place_text(on_skin))
+
+
+def _refuse_misfit(name: str, lacking: Misfit, holes: SkinHoles) -> NoReturn:
+    """Refuse a design that leaves the skin: at the rim of the tissue, or at a hole."""
+    fits, at = f"{math.floor(100.0 * lacking.share)} %", Place.at(lacking.point)
+    hole = holes.at(lacking.point)
+    if hole is None:
+        where = _place_text(lacking.point)
+        raise refused(ProblemCode.DESIGN_OFF_SKIN, name, f"{lacking.missing:.1f}", place=at, at=where, share=fits)
+    size, where = f"{hole.size:.3g}", _place_text(hole.middle)
+    raise refused(ProblemCode.DESIGN_ACROSS_HOLE, name, size, place=at, at=where, share=fits)
+
+
+def _place_text(point: ArrayLike) -> str:
+    return "({:.1f}, {:.1f}, {:.1f})".format(*np.asarray(point, np.float64).tolist())

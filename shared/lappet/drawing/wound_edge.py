@@ -1,0 +1,62 @@
+"""The edge of the wound as fine dark red lines, so that a closed wound still reads."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.drawing.skin_fields import border_chains
+from lappet.drawing.skin_source import SkinEpoch, SkinSource
+
+EDGE_RADIUS = 0.1
+
+
+class WoundEdge:
+    """The lines along the lips of the wound; they follow the skin.
+
+    `source` may be changed for one of equal epochs.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    """
+
+    def __init__(self, source: SkinSource) -> None:
+        self.source = source
+        self._chains: dict[str, list[NDArray[np.int32]]] = {}
+
+    def knows(self, epoch: SkinEpoch) -> bool:
+        """Tell whether the lips of an epoch were found before.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+
+        Returns
+        -------
+        bool
+            Whether they were.
+        """
+        return epoch.name in self._chains
+
+    def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
+        """Draw the lips of a frame.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        tuple[list[NDArray[np.float64]], list[float]]
+            Lines, shape (k, 3) each, and their radii, in mm.
+        """
+        epoch = self.source.epoch_at(time)
+        if epoch.name not in self._chains:
+            self._chains[epoch.name] = border_chains(epoch.triangles, epoch.origin)
+        points = self.source.positions(epoch, time)
+        lines = [points[chain].astype(np.float64) for chain in self._chains[epoch.name]]
+        return lines, [EDGE_RADIUS] * len(lines)

@@ -1,0 +1,1 @@
+"""Plates: pages of line drawings of a solved procedure, with captions, labels, arrows and measures."""

@@ -1,0 +1,123 @@
+"""Lengths and angles of the planned cuts, as they are written beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.plates.letter_anchors import Corner, legs
+from lappet.plates.projection import Projection
+
+_BESIDE = 2.6  # mm on paper between a line and its measure
+_ARC = 4.2  # mm on paper: radius of an angle's arc
+_MOST = 3  # lengths, and as many angles
+_STRAIGHT_ANGLE = np.radians(150.0)  # what is wider is hardly seen as an angle
+_LEAST = 3.0  # mm: shorter legs are not measured
+_ROOM = (7.0, 3.0)  # mm on paper: two texts nearer than this in width and in height cover each other
+_STRAIGHT = 1.02  # a leg that is longer than its chord by less is straight
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """A measure on the paper.
+
+    Parameters
+    ----------
+    text
+        What it says.
+    at
+        The text's middle in mm, shape (2,).
+    arc
+        The arc of an angle in mm, shape (k, 2); empty for a length.
+    """
+
+    text: str
+    at: NDArray[np.float64]
+    arc: NDArray[np.float64]
+
+
+def plan_measures(
+    lines: Sequence[NDArray[np.float64]],
+    corners: Sequence[Corner],
+    projection: Projection,
+    letters: Sequence[NDArray[np.float64]] = (),
+) -> list[Measure]:
+    """Measure planned cuts; equal lengths and equal angles are written once.
+
+    Parameters
+    ----------
+    lines
+        The cuts at rest in mm, each of shape (k, 3); a closed one repeats its first point.
+    corners
+        Their corners.
+    projection
+        How they come onto the paper.
+    letters
+        Where letters stand in mm on paper, each of shape (2,); a measure that would cover one is left out.
+
+    Returns
+    -------
+    list[Measure]
+        Straight lengths in whole millimetres, then angles in whole degrees.
+    """
+    paper = np.concatenate([projection.paper(line)[0] for line in lines]) if lines else np.zeros((0, 2))
+    found: list[Measure] = []
+    taken = list(letters)
+    said: set[str] = set()
+    for line in lines:
+        for leg in legs(line):
+            length = float(np.linalg.norm(np.diff(leg, axis=0), axis=1).sum())
+            text = f"{length:.0f} mm"
+            if text in said or len(said) == _MOST or length > _STRAIGHT * float(np.linalg.norm(leg[-1] - leg[0])):
+                continue
+            at = _beside(projection.paper(leg)[0], paper, taken)
+            if length >= _LEAST and not _covers(at, taken):
+                said.add(text)
+                found.append(Measure(text, at, np.zeros((0, 2))))
+                taken.append(at)
+    angles: set[str] = set()
+    for corner in corners:
+        sector = corner.sectors[0]
+        text = f"{np.degrees(sector.angle):.0f}°"
+        if sector.angle > _STRAIGHT_ANGLE or text in angles or len(angles) == _MOST:
+            continue
+        measure = _angle(corner, text, projection)
+        if not _covers(measure.at, taken):
+            angles.add(text)
+            found.append(measure)
+            taken.append(measure.at)
+    return found
+
+
+def _beside(
+    leg: NDArray[np.float64], paper: NDArray[np.float64], taken: list[NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """The place beside a leg's middle, on the side where there is more room."""
+    middle, way = leg[len(leg) // 2], leg[-1] - leg[0]
+    side = np.array([-way[1], way[0]]) / max(float(np.linalg.norm(way)), 1e-12)
+    places = [middle + sign * (_BESIDE + 1.6 * abs(side[0])) * side for sign in (1.0, -1.0)]
+    obstacles = np.vstack([paper, *[each[None] for each in taken]])
+    room = [float(np.linalg.norm(obstacles - place, axis=1).min()) for place in places]
+    far = [float(np.linalg.norm(paper.mean(axis=0) - place)) for place in places]
+    best = int(np.argmax([r + 0.05 * f for r, f in zip(room, far, strict=True)]))
+    return places[best]
+
+
+def _covers(at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]]) -> bool:
+    return any(bool((np.abs(at - each) < np.asarray(_ROOM)).all()) for each in taken)
+
+
+def _angle(corner: Corner, text: str, projection: Projection) -> Measure:
+    """The arc of an angle in the skin's plane and its text inside."""
+    radius = _ARC / projection.scale
+    sector = corner.sectors[0]
+    normal = np.cross(sector.first, sector.second)
+    normal /= max(float(np.linalg.norm(normal)), 1e-12)
+    across = np.cross(normal, sector.first)
+    turns = np.linspace(0.0, sector.angle, 17)[:, None]
+    arc = corner.at + radius * (np.cos(turns) * sector.first + np.sin(turns) * across)
+    middle = corner.inset(radius + 2.4 / projection.scale)
+    return Measure(text, projection.paper(middle[None])[0][0], projection.paper(arc)[0])

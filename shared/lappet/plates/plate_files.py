@@ -1,0 +1,156 @@
+"""A plate as a file: SVG as it is; PDF, PNG and TIFF from it by Typst, whose PDF keeps lines and text."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.plates.plate_font import PlateFont
+
+SUFFIXES = (".svg", ".pdf", ".png", ".tif", ".tiff")
+
+
+def check_format(path: Path, profile: Path | None = None) -> str:
+    """Refuse a file that no plate can be written as.
+
+    Parameters
+    ----------
+    path
+        The file.
+    profile
+        An ICC profile of a printing process, or None.
+
+    Returns
+    -------
+    str
+        The suffix in lower case, one of `SUFFIXES`.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is none of these, the folder is missing, or the format has no colors of printing.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise refused(ProblemCode.PLATE_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
+    if not path.absolute().parent.is_dir():
+        raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
+    if profile is not None and suffix not in (".tif", ".tiff"):
+        raise refused(ProblemCode.PLATE_CMYK, path, path.suffix)
+    return suffix
+
+
+def write_plate(
+    svg: str,
+    size: tuple[float, float],
+    alt: str,
+    font: PlateFont,
+    path: Path,
+    dpi: int,
+    profile: Path | None = None,
+    transparent: bool = False,
+) -> None:
+    """Write a plate; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    svg
+        The plate.
+    size
+        Its width and height in mm.
+    alt
+        What it shows, for those who cannot see it; a PDF is tagged with it (PDF/UA-1).
+    font
+        Its font.
+    path
+        The file; its suffix, one of `SUFFIXES`, says what it becomes.
+    dpi
+        Pixels per inch of PNG and TIFF.
+    profile
+        An ICC profile of a printing process: a TIFF in its colors (CMYK).
+    transparent
+        Whether the paper of a PNG is transparent.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is none of these, the folder is missing, or the profile is none for CMYK.
+    OSError
+        If the file cannot be written.
+    """
+    suffix = check_format(path, profile)
+    if suffix == ".svg":
+        data = svg.encode()
+    elif suffix == ".pdf":
+        data = _typeset(svg, size, alt, font, format="pdf", pdf_standards=["ua-1"])
+    else:
+        data = _typeset(svg, size, alt, font, transparent, format="png", ppi=float(dpi))
+        if suffix != ".png":
+            data = _tiff(data, dpi, profile)
+        else:
+            data = _resolved(data, dpi)
+    draft = path.with_name(f".{path.name}.part")
+    try:
+        draft.write_bytes(data)
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _typeset(
+    svg: str, size: tuple[float, float], alt: str, font: PlateFont, transparent: bool = False, **options: Any
+) -> bytes:
+    import typst
+
+    width, height = (f"{each:.3f}mm" for each in size)
+    quoted = alt.replace("\\", "\\\\").replace('"', '\\"')
+    page = (
+        f'#set document(title: "{quoted}", date: none)\n'
+        f"#set page(width: {width}, height: {height}, margin: 0pt{', fill: none' if transparent else ''})\n"
+        f'#image("plate.svg", width: {width}, height: {height}, alt: "{quoted}")\n'
+    )
+    with tempfile.TemporaryDirectory(prefix="lappet_plate_") as folder:
+        (Path(folder) / "plate.svg").write_text(svg, encoding="utf-8")
+        (Path(folder) / "plate.typ").write_text(page, encoding="utf-8")
+        return bytes(
+            typst.compile(
+                str(Path(folder) / "plate.typ"),
+                font_paths=[str(font.path.parent)],
+                ignore_system_fonts=True,
+                **options,
+            )
+        )
+
+
+def _resolved(png: bytes, dpi: int) -> bytes:
+    """A PNG that says how many pixels it has per inch."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.open(io.BytesIO(png)).save(buffer, "PNG", dpi=(dpi, dpi))
+    return buffer.getvalue()
+
+
+def _tiff(png: bytes, dpi: int, profile: Path | None) -> bytes:
+    from PIL import Image, ImageCms
+
+    picture = Image.open(io.BytesIO(png)).convert("RGB")
+    buffer = io.BytesIO()
+    if profile is None:
+        own = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+        picture.save(buffer, "TIFF", dpi=(dpi, dpi), compression="tiff_lzw", icc_profile=own)
+        return buffer.getvalue()
+    try:
+        printing = ImageCms.ImageCmsProfile(str(profile))
+        if printing.profile.xcolor_space.strip() != "CMYK":
+            raise refused(ProblemCode.PLATE_PROFILE, profile)
+        printed = ImageCms.profileToProfile(picture, ImageCms.createProfile("sRGB"), printing, outputMode="CMYK")
+    except (OSError, ImageCms.PyCMSError) as error:
+        raise refused(ProblemCode.PLATE_PROFILE, profile) from error
+    assert printed is not None
+    printed.save(buffer, "TIFF", dpi=(dpi, dpi), compression="tiff_lzw", icc_profile=printing.tobytes())
+    return buffer.getvalue()

@@ -1,0 +1,139 @@
+"""The font of a plate: widths of its texts, the characters that it lacks, and the part of it that an SVG carries."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Iterable
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+
+_FAMILY = 16  # name table: typographic family, then family
+_PLAIN_FAMILY = 1
+
+
+class PlateFont:
+    """A font file.
+
+    Parameters
+    ----------
+    path
+        A TrueType or OpenType file; None for Source Sans Pro.
+
+    Raises
+    ------
+    RefusedError
+        If the file is no font that can be read.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        from fontTools.ttLib import TTFont, TTLibError
+
+        own = Path(str(files("font_source_sans_pro") / "files" / "SourceSansPro-Regular.ttf"))
+        self.path = path or own
+        try:
+            self._font: Any = TTFont(self.path)
+            self._cmap: dict[int, str] = self._font.getBestCmap()
+            self._widths: Any = self._font["hmtx"]
+            names = self._font["name"]
+            self.family = str(names.getDebugName(_FAMILY) or names.getDebugName(_PLAIN_FAMILY))
+            self._em = float(self._font["head"].unitsPerEm)
+        except (OSError, TTLibError, KeyError) as error:
+            raise refused(ProblemCode.PLATE_FONT, self.path, reason=str(error)) from error
+
+    def width(self, text: str, size: float) -> float:
+        """Measure a line of text.
+
+        Parameters
+        ----------
+        text
+            The text.
+        size
+            Size of the font, in any unit.
+
+        Returns
+        -------
+        float
+            Its width in that unit, without kerning.
+        """
+        glyphs = (self._cmap.get(ord(each), ".notdef") for each in text)
+        return sum(self._widths[glyph][0] for glyph in glyphs) * size / self._em
+
+    def check(self, texts: Iterable[str]) -> None:
+        """Refuse texts that the font cannot show.
+
+        Parameters
+        ----------
+        texts
+            The texts.
+
+        Raises
+        ------
+        RefusedError
+            If it lacks a character; the first is named.
+        """
+        for text in texts:
+            for each in text:
+                if ord(each) not in self._cmap:
+                    raise refused(ProblemCode.PLATE_FONT_LACKS, self.path.name, each, text=text)
+
+    def embedded(self, texts: Iterable[str]) -> str:
+        """Make the part of the font that some texts need, for an SVG.
+
+        Parameters
+        ----------
+        texts
+            The texts.
+
+        Returns
+        -------
+        str
+            A data URL of a WOFF file; the same texts give the same one.
+        """
+        from fontTools import subset
+        from fontTools.ttLib import TTFont
+
+        options = subset.Options(flavor="woff", notdef_outline=True, recalc_timestamp=False)
+        font = TTFont(self.path, recalcTimestamp=False)
+        cutter = subset.Subsetter(options)
+        cutter.populate(text="".join(sorted({each for text in texts for each in text})))
+        cutter.subset(font)
+        font.flavor = "woff"
+        buffer = io.BytesIO()
+        font.save(buffer)
+        return "data:font/woff;base64," + base64.b64encode(buffer.getvalue()).decode()
+
+    def wrapped(self, text: str, size: float, width: float) -> list[str]:
+        """Break a text into lines.
+
+        Parameters
+        ----------
+        text
+            The text.
+        size
+            Size of the font in mm.
+        width
+            Width of a line in mm.
+
+        Returns
+        -------
+        list[str]
+            Its lines, broken at blanks, or between characters where a word alone is wider than a line.
+        """
+        lines = [""]
+        for word in text.split(" "):
+            longer = f"{lines[-1]} {word}".strip()
+            if self.width(longer, size) <= width:
+                lines[-1] = longer
+                continue
+            if lines[-1]:
+                lines.append("")
+            for each in word:
+                if lines[-1] and self.width(lines[-1] + each, size) > width:
+                    lines.append("")
+                lines[-1] += each
+        return lines

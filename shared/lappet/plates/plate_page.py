@@ -1,0 +1,191 @@
+"""A page of panels: where each lies, with its caption; everything in mm on paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value
+from lappet.drawing.section_plane import SectionPlane
+from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, STROKE_LABELS
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
+from lappet.plates.plate_request import PlateRequest
+from lappet.plates.plate_scene import PlateScene, at_one_scale, plate_scene
+from lappet.plates.plate_style import POINT, PlateStyle
+from lappet.plates.plate_words import PlateWords
+
+LEAST_WIDTH = 40.0  # mm
+WIDEST = 1000.0  # mm
+MOST_PANELS = 26  # as many as there are letters
+CAPTION_SIZE = 8.0 * POINT
+GUTTER = 4.0  # mm
+_PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
+_ASPECT = 0.75
+_LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values())
+
+
+@dataclass(frozen=True, eq=False)
+class PlatePage:
+    """A page.
+
+    Parameters
+    ----------
+    size
+        Width and height in mm.
+    panel
+        Width and height of a panel in mm.
+    panels
+        The panels, row by row.
+    alt
+        What the page shows, for those who cannot see it.
+    key
+        Texts of the color key: what is mapped, and the ends of its scale; empty for no map.
+    full
+        The value at the top.
+    """
+
+    size: tuple[float, float]
+    panel: tuple[float, float]
+    panels: tuple[PagePanel, ...]
+    alt: str
+    key: tuple[str, ...] = ()
+    full: float = 1.0
+
+    def texts(self) -> list[str]:
+        """List all texts on the page.
+
+        Returns
+        -------
+        list[str]
+            The texts.
+        """
+        found = list(self.key)
+        for panel in self.panels:
+            found += [panel.letter, *panel.caption, *(each.text for each in panel.labels)]
+            found += [each.text for each in panel.measures] + [each.text for each in panel.drawing.letters]
+            found += [f"{panel.bar:g} mm"] if panel.bar else []
+        return found
+
+
+def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font: PlateFont) -> PlatePage:
+    """Make a page.
+
+    Parameters
+    ----------
+    request
+        What is to be on it.
+    style
+        How it looks.
+    words
+        What it says.
+    font
+        Its font.
+
+    Returns
+    -------
+    PlatePage
+        The page.
+
+    Raises
+    ------
+    RefusedError
+        If the width is out of range, there are too many panels, a panel has too many labels, a landmark is not
+        there, the section is no plane, the font lacks a
+        character, or a cache lacks what is to be mapped.
+    """
+    if not LEAST_WIDTH <= request.width <= WIDEST:
+        raise refused(ProblemCode.PLATE_WIDTH, "", request.width, range=f"{LEAST_WIDTH:g} to {WIDEST:g}")
+    if len(request.panels) > MOST_PANELS:
+        raise refused(ProblemCode.PLATE_FRAMES, "", len(request.panels), most=MOST_PANELS)
+    _check_section(request)
+    captions = _captions(request, words)
+    _check_landmarks(request)
+    font.check([*captions, *request.landmarks, *(words(key) for key in _LABELS)])
+    full, top = _full_scale(request)
+    columns, width = _columns(request)
+    maker = PanelMaker(
+        request, _scenes(request, (width, _ASPECT * width)), style, words, font, (width, _ASPECT * width)
+    )
+    indent = font.width("M", CAPTION_SIZE) + 1.5
+    lines = [tuple(font.wrapped(each, CAPTION_SIZE, width - indent)) for each in captions]
+    counts = [max(len(each) for each in lines[k : k + columns]) for k in range(0, len(lines), columns)]
+    heights = [maker.size[1] + 1.5 + LINE * CAPTION_SIZE * count + GUTTER for count in counts]
+    tops = np.concatenate([[0.0], np.cumsum(heights)])
+    panels: list[PagePanel] = []
+    told: set[str] = set()
+    for k, caption in enumerate(lines):
+        x = (k % columns) * (width + GUTTER) + 0.5 * width
+        panels.append(maker.panel(k, caption, np.array([x, float(tops[k // columns]) + 0.5 * maker.size[1]]), told))
+    alt = words("alt.plate", count=len(panels))
+    alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
+    key = (words(f"map.{request.mapped}"), "0", top) if request.mapped else ()
+    return PlatePage((request.width, float(tops[-1]) - GUTTER), maker.size, tuple(panels), alt, key, full)
+
+
+def _check_section(request: PlateRequest) -> None:
+    """Refuse a section that is no plane."""
+    if request.section is not None:
+        try:
+            SectionPlane.of(request.section)
+        except ValueError as error:
+            raise refused(ProblemCode.PLATE_SECTION, "", str(request.section)) from error
+
+
+def _check_landmarks(request: PlateRequest) -> None:
+    """Refuse landmarks that no procedure of the plate has at any of its panels."""
+    known = {label for row in request.rows for label in row.source.named_landmarks(row.source.frames[0])}
+    for label in request.landmarks:
+        if label not in known:
+            raise refused(ProblemCode.PLATE_LANDMARK, "", label, known=", ".join(sorted(known)) or "none")
+
+
+def _captions(request: PlateRequest, words: PlateWords) -> list[str]:
+    """The caption of each panel."""
+    captions = []
+    for index, (row, k) in enumerate(request.panels):
+        step, title = request.rows[row].steps[k], request.rows[row].title
+        said = words(f"step.{step.kind}", time=f"{step.time:g}")
+        captions.append(request.captions.get(index) or (f"{title}: {said}" if title else said))
+    return captions
+
+
+def _scenes(request: PlateRequest, size: tuple[float, float]) -> tuple[PlateScene, ...]:
+    """Each procedure before its camera; several at one scale."""
+    scenes = [plate_scene(row.source, [step.time for step in row.steps], request.view, size) for row in request.rows]
+    return tuple(at_one_scale(scenes))
+
+
+def _full_scale(request: PlateRequest) -> tuple[float, str]:
+    """The value at the top of the scale of a map, and its text."""
+    if request.mapped is None:
+        return 1.0, ""
+    found = [
+        row.source.scalar(row.source.epoch_at(step.time), request.mapped, step.time)
+        for row in request.rows
+        for step in row.steps
+    ]
+    if any(each is None for each in found):
+        raise refused(ProblemCode.PLATE_NO_MAP, "", request.mapped)
+    full = full_value(max(frame_peak(each) for each in found if each is not None))
+    return full, f"≥ {full:g}{UNITS[request.mapped]}"
+
+
+def _columns(request: PlateRequest) -> tuple[int, float]:
+    """Panels in a row and the width of one in mm; of several procedures each has a row."""
+    counts = [len(row.steps) for row in request.rows]
+    most = max(int((request.width + GUTTER) // (_PANEL + GUTTER)), 1)
+    own = _even(counts, most)
+    columns = request.columns or own
+    return columns, (request.width - (columns - 1) * GUTTER) / columns
+
+
+def _even(counts: Sequence[int], most: int) -> int:
+    """As many columns as fit; four panels of one procedure make a square."""
+    if len(counts) > 1:
+        return min(most, max(counts))
+    return min(most, counts[0], 2 if counts[0] == 4 else counts[0])

@@ -1,0 +1,202 @@
+"""One panel on a page: its drawing, its caption, its labels and measures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from string import ascii_uppercase
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import LineString
+
+from lappet.drawing.section_plane import SectionPlane
+from lappet.plates.boundary_labels import PlacedLabel, place_labels
+from lappet.plates.feature_lines import LineKind
+from lappet.plates.filled_areas import AreaKind
+from lappet.plates.measures import Measure, plan_measures
+from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, PanelDrawing, label_sites, panel_drawing
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_request import PlateRequest
+from lappet.plates.plate_scene import PlateScene
+from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
+from lappet.plates.plate_style import POINT, PlateStyle
+from lappet.plates.plate_words import PlateWords
+from lappet.plates.section_drawing import section_drawing, section_line, section_projection
+
+LABEL_SIZE = 7.0 * POINT  # the least that publishers print
+LINE = 1.2  # times the size of a text
+_ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
+_UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
+_KINDS = tuple(AreaKind)
+_PLANS = (StepKind.PLAN, StepKind.PLAN_EXCISION)
+_BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
+
+
+@dataclass(frozen=True, eq=False)
+class PagePanel:
+    """A panel on the page.
+
+    Parameters
+    ----------
+    letter
+        Its letter, from A on.
+    step
+        What it shows.
+    scene
+        Of which procedure.
+    caption
+        The lines of its caption.
+    middle
+        Its middle on the page in mm, shape (2,).
+    drawing
+        The drawing.
+    labels
+        Labels with leaders.
+    measures
+        Lengths and angles.
+    bar
+        Length of the scale bar in mm of tissue, 0 for none.
+    goes_on
+        Whether skin is drawn where a cut-out of skin ends.
+    """
+
+    letter: str
+    step: PlateStep
+    scene: PlateScene
+    caption: tuple[str, ...]
+    middle: NDArray[np.float64]
+    drawing: PanelDrawing
+    labels: tuple[PlacedLabel, ...]
+    measures: tuple[Measure, ...]
+    bar: float
+    goes_on: bool
+
+
+@dataclass(frozen=True, eq=False)
+class PanelMaker:
+    """What all panels of a page are made with.
+
+    Parameters
+    ----------
+    request
+        What is to be on the plate.
+    scenes
+        Its procedures, each before its camera.
+    style
+        How the plate looks.
+    words
+        What it says.
+    font
+        Its font.
+    size
+        Width and height of a panel in mm.
+    """
+
+    request: PlateRequest
+    scenes: tuple[PlateScene, ...]
+    style: PlateStyle
+    words: PlateWords
+    font: PlateFont
+    size: tuple[float, float]
+
+    def panel(self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: set[str]) -> PagePanel:
+        """Make a panel.
+
+        Parameters
+        ----------
+        index
+            Its index.
+        caption
+            The lines of its caption.
+        middle
+            Its middle on the page in mm, shape (2,).
+        told
+            Keys of labels that a panel before it has; those of this one are added.
+
+        Returns
+        -------
+        PagePanel
+            The panel.
+
+        Raises
+        ------
+        RefusedError
+            If it has too many labels or one that is too wide.
+        """
+        request, (row, k) = self.request, self.request.panels[index]
+        scene, steps = self.scenes[row], request.rows[row].steps
+        step = steps[k]
+        cut = None if request.section is None else SectionPlane.of(request.section)
+        drawing, areas = self._drawing(scene, steps, k, cut)
+        letter = ascii_uppercase[index]
+        sites = label_sites(drawing, areas) if request.labels else {}
+        fresh = {key: site for key, site in sites.items() if key not in told}
+        told.update(fresh)
+        named = [(self.words(key), site) for key, site in fresh.items()]
+        if areas is AREA_LABELS:
+            named += _landmarks(scene, drawing, request.landmarks, self.size)
+        measures: list[Measure] = []
+        if step.kind in _PLANS and request.measures:
+            letters = [each.at for each in drawing.letters]
+            measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+        widths = [self.font.width(text, LABEL_SIZE) for text, _ in named]
+        taken = np.vstack([_taken(drawing), *(each.at + _UNDER_TEXT for each in measures)])
+        labels = place_labels(named, widths, self.size, LINE * LABEL_SIZE, taken, letter)
+        fitting = [each for each in _BARS if each * drawing.projection.scale <= 0.3 * self.size[0]]
+        bar = max(fitting, default=0.0) if index == 0 else 0.0
+        goes_on = scene.goes_on and areas is AREA_LABELS
+        return PagePanel(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures), bar, goes_on)
+
+    def _drawing(
+        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, cut: SectionPlane | None
+    ) -> tuple[PanelDrawing, Mapping[AreaKind, str]]:
+        """The drawing of a panel and the words for its areas."""
+        request, step = self.request, steps[index]
+        held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
+        if cut is not None and step.kind not in _PLANS:
+            projection = section_projection(scene, cut, self.size)
+            return section_drawing(scene, cut, projection, step.time, held), SECTION_LABELS
+        later = _later(scene, steps, index) if request.arrows else ()
+        more = [] if cut is None else section_line(scene, cut, step.time)
+        drawing = panel_drawing(
+            scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more
+        )
+        return drawing, AREA_LABELS
+
+
+def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[float]:
+    """The frames along which arrows run: from the panel of the cut to where the flaps come to lie."""
+    cut = [k for k, step in enumerate(steps) if step.kind in CUTS]
+    ends = [step.time for step in steps[index + 1 :] if step.kind in (StepKind.SUTURED, StepKind.PLACED)]
+    if not cut or cut[-1] != index or not ends:
+        return []
+    return [time for time in scene.source.frames if steps[index].time < time <= ends[-1]]
+
+
+def _landmarks(
+    scene: PlateScene, drawing: PanelDrawing, labels: Sequence[str], size: tuple[float, float]
+) -> list[tuple[str, NDArray[np.float64]]]:
+    """The landmarks of some labels that are seen, with their places on the paper."""
+    places = scene.source.named_landmarks(drawing.surface.time)
+    found = []
+    for label in labels:
+        if label not in places:
+            continue  # its tissue has been excised
+        paper, depth = drawing.projection.paper(places[label][None])
+        inside = (np.abs(paper[0]) < 0.5 * np.asarray(size)).all()
+        if inside and depth[0] <= drawing.depth_at(paper[0]) + _ON_SKIN:
+            found.append((label, paper[0]))
+    return found
+
+
+def _taken(drawing: PanelDrawing) -> NDArray[np.float64]:
+    """Places that labels should leave free: wounds, marks, threads and letters."""
+    kinds = drawing.pixels.kind[::6, ::6]
+    rows, columns = np.nonzero((kinds > _KINDS.index(AreaKind.SKIN)) & (kinds < _KINDS.index(AreaKind.EYE)))
+    found = [np.stack([drawing.pixels.x[::6][columns], drawing.pixels.y[::6][rows]], axis=1)]
+    keep_off = (LineKind.PLAN, LineKind.THREAD, LineKind.WOUND_EDGE, LineKind.INSTRUMENT, LineKind.UNDERMINED)
+    own = [LineString(stroke.points).segmentize(1.0) for stroke in drawing.strokes if stroke.kind in keep_off]
+    found += [np.array(line.coords) for line in own]
+    found += [letter.at[None] for letter in drawing.letters]
+    return np.vstack(found)

@@ -1,0 +1,76 @@
+"""What is to be on a plate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lappet.drawing.skin_read import SkinCache
+from lappet.plates.plate_steps import PlateStep
+
+
+@dataclass(frozen=True, eq=False)
+class PlateRow:
+    """The panels of one solved procedure.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    steps
+        What its panels show.
+    title
+        What stands before its captions; empty where a plate shows one procedure.
+    """
+
+    source: SkinCache
+    steps: tuple[PlateStep, ...]
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class PlateRequest:
+    """What is to be on a plate.
+
+    Parameters
+    ----------
+    rows
+        Its procedures; several are drawn at one scale.
+    captions
+        By the index of a panel, a caption in place of the catalogue's.
+    width
+        Width of the page in mm.
+    columns
+        Panels in a row; None: as many as fit.
+    view
+        One of `lappet.drawing.framing.VIEWS`.
+    labels, letters, arrows, measures
+        Whether there are labels with leaders, letters at corners, arrows of movement, lengths and angles.
+    instruments
+        Whether hooks are drawn.
+    landmarks
+        Labels of the landmarks that are named on every panel on which they are seen.
+    section
+        A point in mm and a normal: all panels but that of the plan show the section there. None for no section.
+    mapped
+        A quantity of the skin that is mapped in color, one of `lappet.drawing.skin_source.SCALARS`, or None.
+    """
+
+    rows: tuple[PlateRow, ...]
+    captions: Mapping[int, str]
+    width: float = 174.0
+    columns: int | None = None
+    view: str = "oblique"
+    labels: bool = True
+    letters: bool = True
+    arrows: bool = True
+    measures: bool = True
+    instruments: bool = True
+    landmarks: tuple[str, ...] = ()
+    section: tuple[float, ...] | None = None
+    mapped: str | None = None
+
+    @property
+    def panels(self) -> tuple[tuple[int, int], ...]:
+        """The row and the step in it of each panel, in order."""
+        return tuple((r, k) for r, row in enumerate(self.rows) for k in range(len(row.steps)))

@@ -1,0 +1,146 @@
+"""The styles of plates: how lines, areas and text look. Colors are told apart without seeing red and green."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from lappet.plates.feature_lines import LineKind
+from lappet.plates.filled_areas import AreaKind
+
+# Monk Skin Tone Scale, tones 1 to 10 (Monk 2019; skintone.google), sRGB.
+MONK = (
+    *("#f6ede4", "#f3e7db", "#f7ead0", "#eadaba", "#d7bd96"),
+    *("#a07e56", "#825c43", "#604134", "#3a312a", "#292420"),
+)
+POINT = 25.4 / 72.0  # mm
+
+
+class Shading(StrEnum):
+    """What lies below the lines."""
+
+    NONE = "none"
+    FILLS = "fills"
+    WASH = "wash"
+
+
+@dataclass(frozen=True)
+class Pen:
+    """How a line is drawn.
+
+    Parameters
+    ----------
+    width
+        Its width in mm.
+    color
+        Its color, #rrggbb.
+    dashes
+        Lengths of dashes and gaps in mm; none for a whole line.
+    """
+
+    width: float
+    color: str
+    dashes: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class PlateStyle:
+    """How a plate looks.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    shading
+        What lies below the lines.
+    hatched
+        Whether dark places are hatched.
+    pens
+        The pen for each kind of line.
+    fills
+        Color of each kind of area.
+    accent
+        Color of arrows.
+    """
+
+    name: str
+    shading: Shading
+    hatched: bool
+    pens: dict[LineKind, Pen]
+    fills: dict[AreaKind, str]
+    accent: str
+
+
+_INK = "#111111"
+_BLUE = "#1f4e9c"
+_PENS = {
+    LineKind.CONTOUR: Pen(0.25, _INK),
+    LineKind.WOUND_EDGE: Pen(0.4, _INK),
+    LineKind.WALL_FOOT: Pen(0.18, _INK),
+    LineKind.PLAN: Pen(0.45, _BLUE),
+    LineKind.UNDERMINED: Pen(0.25, _BLUE),
+    LineKind.THREAD: Pen(0.25, "#10204a"),
+    LineKind.INSTRUMENT: Pen(0.7, "#5a6068"),
+    LineKind.VESSEL: Pen(0.5, "#a5231c"),
+    LineKind.HATCHING: Pen(0.18, _INK),
+    LineKind.SKIN_LINE: Pen(0.18, "#8a8478"),
+    LineKind.SECTION: Pen(0.3, "#8b1e1e", (2.4, 0.9, 0.5, 0.9)),
+}
+_BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
+_EYES = {
+    AreaKind.EYE: "#f7f6f3",
+    AreaKind.IRIS: "#5b6b74",
+    AreaKind.PUPIL: "#15181a",
+    AreaKind.TEETH: "#f2eee2",
+    AreaKind.HOLLOW: "#5a3a36",
+}
+_FILLS = {
+    AreaKind.SKIN: MONK[2],
+    AreaKind.FLAP_UNDERSIDE: "#e7b04f",
+    AreaKind.BED: "#c2504a",
+    AreaKind.WALL_SKIN: "#e79a84",
+    AreaKind.WALL_FAT: "#f0c95c",
+    AreaKind.WALL_DEEP: "#a33b37",
+    **_EYES,
+}
+_GREY = {
+    AreaKind.SKIN: "#ffffff",
+    AreaKind.FLAP_UNDERSIDE: "#c4c4c4",
+    AreaKind.BED: "#8a8a8a",
+    AreaKind.WALL_SKIN: "#dadada",
+    AreaKind.WALL_FAT: "#efefef",
+    AreaKind.WALL_DEEP: "#a8a8a8",
+    **_EYES,
+}
+STYLES = {
+    "ink": PlateStyle("ink", Shading.NONE, True, _BLACK, _GREY, _INK),
+    "schematic": PlateStyle("schematic", Shading.FILLS, False, _PENS, _FILLS, _BLUE),
+    "halftone": PlateStyle("halftone", Shading.WASH, False, _BLACK, _GREY, _INK),
+    "wash": PlateStyle("wash", Shading.WASH, False, _PENS, _FILLS, _BLUE),
+}
+
+
+def plate_style(name: str, tone: int | None = None) -> PlateStyle:
+    """Choose a style.
+
+    Parameters
+    ----------
+    name
+        One of `STYLES`.
+    tone
+        Tone of the skin on the Monk scale, 1 to 10; None for the style's own.
+
+    Returns
+    -------
+    PlateStyle
+        The style. On dark skin plans are drawn in white.
+    """
+    style = STYLES[name]
+    if tone is None or style.fills is _GREY:
+        return style
+    fills = {**style.fills, AreaKind.SKIN: MONK[tone - 1]}
+    if tone < 7:
+        return replace(style, fills=fills)
+    white = {kind: replace(style.pens[kind], color="#f4f6ff") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
+    pens = {**style.pens, **white, LineKind.THREAD: replace(style.pens[LineKind.THREAD], color="#d7e3ff")}
+    return replace(style, fills=fills, pens=pens)

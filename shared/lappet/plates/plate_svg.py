@@ -1,0 +1,281 @@
+"""A page as SVG: lines, labels, arrows and measures as vectors in named layers, text as text, shading as an image.
+
+Numbers are rounded to a micrometer, so that the same page gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import drawsvg
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.drawing.quantity_scale import ramp_display
+from lappet.plates.feature_lines import LineKind
+from lappet.plates.filled_areas import Area, AreaKind
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_page import CAPTION_SIZE, PlatePage
+from lappet.plates.plate_panel import LABEL_SIZE, LINE, PagePanel
+from lappet.plates.plate_style import POINT, PlateStyle, Shading
+from lappet.plates.wash import wash
+
+_INK = "#111111"
+_HALO = "#ffffff"
+_FINE = 0.5 * POINT  # the least width of a line in print
+_LETTER_SIZE = 8.5 * POINT
+_SITE = 0.35  # mm: radius of the dot at which a leader ends
+_HEAD = 2.2  # mm: length of an arrow's head
+_DIGITS = 3
+_LAYERS = ("shading", "areas", "hatching", "lines", "threads", "instruments", "arrows", "measures", "letters", "labels")
+
+
+def plate_svg(page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, background: bool = True) -> str:
+    """Write a page as SVG.
+
+    Parameters
+    ----------
+    page
+        The page.
+    style
+        How it looks.
+    font
+        Its font; the part that is needed is embedded.
+    dpi
+        Pixels per inch of shading.
+    background
+        Whether the paper is white; otherwise it is transparent.
+
+    Returns
+    -------
+    str
+        The document, in mm.
+    """
+    texts = page.texts()
+    drawing = drawsvg.Drawing(*page.size, id_prefix="d")
+    for group in _layers(page, style, font, dpi, background):
+        drawing.append(group)
+    svg = str(drawing.as_svg(header=""))
+    begin, end = svg.index("<svg"), svg.index(">", svg.index("<svg"))
+    width, height = (f"{each:.{_DIGITS}f}" for each in page.size)
+    head = (
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
+        f'width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
+        f'role="img" aria-label="{_plain(page.alt)}"'
+    )
+    face = (
+        f"<title>{_plain(page.alt)}</title><style>@font-face{{font-family:'{font.family}';"
+        f"src:url({font.embedded(texts)})}}</style>"
+    )
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + svg[:begin] + head + ">" + face + svg[end + 1 :]
+
+
+def _plain(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+
+
+def _layers(
+    page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, background: bool
+) -> list[drawsvg.DrawingElement]:
+    layers = {name: _layer(name) for name in _LAYERS}
+    captions = _layer("captions")
+    defs = []
+    for panel in page.panels:
+        clip = drawsvg.ClipPath(id=f"panel{panel.letter}")
+        clip.append(drawsvg.Rectangle(*_round(-0.5 * np.asarray(page.panel)), *_round(page.panel)))
+        defs.append(clip)
+        groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{panel.letter}") for name in _LAYERS}
+        for name in ("shading", "areas"):
+            groups[name] = drawsvg.Group(
+                transform=_at(panel.middle), id=f"{name}-{panel.letter}", clip_path=f"url(#{clip.id})"
+            )
+        _shade(groups, panel, page, style, dpi)
+        _draw_lines(groups, panel, style)
+        _annotate(groups, panel, page, style, font)
+        for name, group in groups.items():
+            if group.children:
+                layers[name].append(group)
+        captions.append(_caption(panel, page, font))
+    paper = [drawsvg.Rectangle(0, 0, *_round(page.size), fill="#ffffff")] if background else []
+    return [*defs, *paper, *(layers[name] for name in _LAYERS if layers[name].children), captions]
+
+
+def _layer(name: str) -> drawsvg.Group:
+    return drawsvg.Group(id=f"layer-{name}", **{"inkscape:groupmode": "layer", "inkscape:label": name})
+
+
+def _at(place: NDArray[np.float64]) -> str:
+    x, y = _round(place)
+    return f"translate({x},{y})"
+
+
+def _round(values: Any) -> list[float]:
+    return [float(each) for each in np.round(np.asarray(values, np.float64).ravel(), _DIGITS) + 0.0]
+
+
+def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
+    if style.shading is Shading.FILLS and not page.key:
+        if panel.goes_on:
+            corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
+            groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
+        for area in panel.drawing.areas:
+            groups["areas"].append(_filled(area, style))
+    if style.shading is Shading.WASH or page.key:
+        from PIL import Image
+
+        picture = wash(panel.drawing, panel.scene.light, style.fills, panel.goes_on, dpi, page.full)
+        buffer = io.BytesIO()
+        Image.fromarray(picture).save(buffer, "PNG")
+        data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+        corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
+        groups["shading"].append(drawsvg.Image(*corner, *size, path=data, preserveAspectRatio="none"))
+
+
+def _filled(area: Area, style: PlateStyle) -> drawsvg.Path:
+    path = drawsvg.Path(fill=style.fills[area.kind], fill_rule="evenodd")
+    for ring in area.rings:
+        points = np.round(ring, _DIGITS) + 0.0
+        path.M(*points[0].tolist())
+        for point in points[1:]:
+            path.L(*point.tolist())
+        path.Z()
+    return path
+
+
+_LAYER_OF = {
+    LineKind.HATCHING: "hatching",
+    LineKind.THREAD: "threads",
+    LineKind.INSTRUMENT: "instruments",
+}
+
+
+def _draw_lines(groups: dict[str, drawsvg.Group], panel: PagePanel, style: PlateStyle) -> None:
+    for stroke in panel.drawing.strokes:
+        pen = style.pens[stroke.kind]
+        group = groups[_LAYER_OF.get(stroke.kind, "lines")]
+        more = {"stroke_dasharray": ",".join(f"{each:g}" for each in pen.dashes)} if pen.dashes else {}
+        group.append(_line(stroke.points, pen.width, pen.color, **more))
+        if stroke.kind is LineKind.INSTRUMENT:  # steel: a light core
+            group.append(_line(stroke.points, 0.4 * pen.width, "#f2f4f6"))
+
+
+def _line(points: NDArray[np.float64], width: float, color: str, **more: Any) -> drawsvg.Lines:
+    return drawsvg.Lines(
+        *_round(points),
+        fill="none",
+        stroke=color,
+        stroke_width=round(max(width, _FINE), _DIGITS),
+        stroke_linecap="round",
+        stroke_linejoin="round",
+        **more,
+    )
+
+
+def _annotate(
+    groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, font: PlateFont
+) -> None:
+    for way in panel.drawing.arrows:
+        _arrow(groups["arrows"], way, style.accent)
+    for measure in panel.measures:
+        if len(measure.arc):
+            groups["measures"].append(_line(measure.arc, _FINE, _INK))
+        groups["measures"].append(_text(measure.text, measure.at, LABEL_SIZE, font, "middle"))
+    for letter in panel.drawing.letters:
+        groups["letters"].append(_text(letter.text, letter.at, _LETTER_SIZE, font, "middle", style="italic"))
+    for label in panel.labels:
+        groups["labels"].append(_line(np.stack([label.port, label.site]), 1.6 * _FINE + 0.25, _HALO))
+        groups["labels"].append(_line(np.stack([label.port, label.site]), _FINE, _INK))
+        groups["labels"].append(drawsvg.Circle(*_round(label.site), _SITE, fill=_INK))
+        gap = 0.4 * LINE * LABEL_SIZE * (-1.0 if label.left else 1.0)
+        at = label.port + np.array([gap, 0.0])
+        groups["labels"].append(_text(label.text, at, LABEL_SIZE, font, "end" if label.left else "start"))
+    if page.key and panel is page.panels[-1]:
+        _key(groups["measures"], page, font)
+    if panel.bar:
+        _bar(groups["measures"], panel, page, font)
+
+
+def _arrow(group: drawsvg.Group, way: NDArray[np.float64], color: str) -> None:
+    """An arrow with a white border, so that it is seen on any ground."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    neck = max(float(along[-1]) - 0.8 * _HEAD, 0.5 * float(along[-1]))
+    shaft = np.vstack([way[along < neck], [np.interp(neck, along, way[:, k]) for k in (0, 1)]])
+    tip = way[-1]
+    back = shaft[-1] - tip
+    back /= max(float(np.linalg.norm(back)), 1e-9)
+    side = np.array([-back[1], back[0]])
+    head = np.stack([tip, tip + _HEAD * back + 0.38 * _HEAD * side, tip + _HEAD * back - 0.38 * _HEAD * side])
+    group.append(_line(shaft, 1.3, _HALO))
+    group.append(drawsvg.Lines(*_round(head), close=True, fill=_HALO, stroke=_HALO, stroke_width=0.7))
+    group.append(_line(shaft, 0.6, color))
+    group.append(drawsvg.Lines(*_round(head), close=True, fill=color))
+
+
+def _bar(group: drawsvg.Group, panel: PagePanel, page: PlatePage, font: PlateFont) -> None:
+    length = panel.bar * panel.drawing.projection.scale
+    right, bottom = 0.5 * page.panel[0] - 1.5, 0.5 * page.panel[1] - 1.5
+    bar = np.array([[right - length, bottom], [right, bottom]])
+    group.append(_line(bar, 1.0, _HALO))
+    group.append(_line(bar, 0.5, _INK))
+    at = np.array([right - 0.5 * length, bottom - 0.75 * LABEL_SIZE])
+    group.append(_text(f"{panel.bar:g} mm", at, LABEL_SIZE, font, "middle"))
+
+
+def _key(group: drawsvg.Group, page: PlatePage, font: PlateFont) -> None:
+    """The color key of a map, in the lower left of a panel."""
+    left, bottom = -0.5 * page.panel[0] + 2.0, 0.5 * page.panel[1] - 1.5 - LINE * LABEL_SIZE
+    width, height, count = 0.36 * page.panel[0], 1.8, 36
+    colors = np.rint(255.0 * ramp_display(np.linspace(0.0, 1.0, count))).astype(int)
+    for k, color in enumerate(colors):
+        corner = _round((left + k * width / count, bottom - height))
+        fill = "#" + "".join(f"{each:02x}" for each in color)
+        group.append(drawsvg.Rectangle(*corner, *_round((1.05 * width / count, height)), fill=fill))
+    name, low, top = page.key
+    group.append(_text(name, np.array([left, bottom - height - 0.8 * LABEL_SIZE]), LABEL_SIZE, font, "start"))
+    group.append(_text(low, np.array([left, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "start"))
+    group.append(_text(top, np.array([left + width, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "end"))
+
+
+def _caption(panel: PagePanel, page: PlatePage, font: PlateFont) -> drawsvg.Group:
+    group = drawsvg.Group(id=f"caption-{panel.letter}")
+    left = panel.middle[0] - 0.5 * page.panel[0]
+    top = panel.middle[1] + 0.5 * page.panel[1] + 1.5 + 0.5 * LINE * CAPTION_SIZE
+    indent = font.width("M", CAPTION_SIZE) + 1.5
+    group.append(_text(panel.letter, np.array([left, top]), CAPTION_SIZE, font, "start", halo=False, weight="bold"))
+    for k, line in enumerate(panel.caption):
+        at = np.array([left + indent, top + k * LINE * CAPTION_SIZE])
+        group.append(_text(line, at, CAPTION_SIZE, font, "start", halo=False))
+    return group
+
+
+def _text(
+    text: str,
+    at: Sequence[float] | NDArray[np.float64],
+    size: float,
+    font: PlateFont,
+    anchor: str,
+    halo: bool = True,
+    style: str = "",
+    weight: str = "",
+) -> drawsvg.DrawingElement:
+    """A line of text whose middle height is at a place; a halo is a copy of it in white below."""
+    x, y = at[0], at[1] + 0.34 * size
+    shared: dict[str, Any] = {
+        "font_family": f"'{font.family}', 'Source Sans 3', Arial, sans-serif",
+        "text_anchor": anchor,
+        **({"font_style": style} if style else {}),
+        **({"font_weight": weight} if weight else {}),
+    }
+    place = _round((x, y))
+    words = drawsvg.Text(text, round(size, _DIGITS), *place, fill=_INK, **shared)
+    if not halo:
+        return words
+    group = drawsvg.Group()
+    white = {"stroke": _HALO, "stroke_width": round(0.3 * size, _DIGITS), "stroke_linejoin": "round"}
+    group.append(drawsvg.Text(text, round(size, _DIGITS), *place, fill=_HALO, aria_hidden="true", **white, **shared))
+    group.append(words)
+    return group

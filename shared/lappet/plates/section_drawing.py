@@ -1,0 +1,209 @@
+"""A cross-section of the tissue on a panel: its layers as areas, its outline, and the threads that lie near it.
+
+Where a place of the section was at rest follows from the outline by mean value coordinates, and its layer from how deep
+that is below the uncut skin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from shapely import contains_xy, polygonize
+from shapely.geometry import LineString
+from shapely.ops import linemerge, unary_union
+
+from lappet.drawing.framing import Viewpoint
+from lappet.drawing.mean_value import mean_values
+from lappet.drawing.section_plane import SectionPlane
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.plates.drawn_surface import drawn_surface
+from lappet.plates.feature_lines import FeatureLine, LineKind
+from lappet.plates.filled_areas import AreaKind, SeenPixels, filled_areas, wall_kinds
+from lappet.plates.panel_drawing import PanelDrawing, clipped
+from lappet.plates.plate_scene import PlateScene
+from lappet.plates.projection import Projection
+from lappet.plates.strokes import Stroke
+
+_PIXEL = 0.24  # mm on paper
+_FAR = 1e5  # mm: seen from so far a section is drawn without perspective
+_NEAR = 1.5  # mm: threads that come so near the plane are drawn
+_ON_SKIN = 0.5  # mm
+_FILL = 0.8  # of a panel's width that the operation takes up
+_KINDS = tuple(AreaKind)
+
+
+def section_projection(scene: PlateScene, plane: SectionPlane, size: tuple[float, float]) -> Projection:
+    """Look at a section at right angles, at a scale at which the operation fills a panel.
+
+    Parameters
+    ----------
+    scene
+        The procedure.
+    plane
+        The section.
+    size
+        Width and height of a panel in mm.
+
+    Returns
+    -------
+    Projection
+        The projection: the skin up, what is taken away towards the eye.
+    """
+    normal, field = plane.normal, scene.field
+    up = field.normal - (field.normal @ normal) * normal
+    if np.linalg.norm(up) < 1e-3:  # a section along the skin
+        up = field.up - (field.up @ normal) * normal
+    up /= np.linalg.norm(up)
+    right = np.cross(up, normal)
+    near = field.points[np.abs(plane.beyond(field.points)) < 0.5 * np.ptp(field.points @ right)]
+    along = (near if len(near) else field.points) @ right
+    middle = field.center - plane.beyond(field.center) * normal
+    middle = middle + (0.5 * (along.min() + along.max()) - middle @ right) * right
+    scale = _FILL * size[0] / max(float(np.ptp(along)), 1.0)
+    view = Viewpoint(middle + _FAR * normal, np.stack([right, up, normal]), _FAR)
+    return Projection(view, size, 0.5 * size[0] / (scale * _FAR))
+
+
+def section_line(scene: PlateScene, plane: SectionPlane, time: float) -> list[FeatureLine]:
+    """Find where a section meets the skin.
+
+    Parameters
+    ----------
+    scene
+        The procedure.
+    plane
+        The section.
+    time
+        Time code of the frame.
+
+    Returns
+    -------
+    list[FeatureLine]
+        The line, on the part of the skin that the operation takes up and a little beyond.
+    """
+    epoch = scene.source.epoch_at(time)
+    points = scene.source.positions(epoch, time)
+    edges, _ = plane.outline(points, epoch.triangles[epoch.origin == FaceOrigin.SKIN], points)
+    along = np.cross(scene.field.normal, plane.normal)
+    reach = scene.field.points @ along
+    margin = 0.1 * float(np.ptp(reach))
+    inside = np.abs(edges.mean(axis=1) @ along - 0.5 * (reach.min() + reach.max())) < 0.5 * np.ptp(reach) + margin
+    joined = linemerge([LineString(edge) for edge in np.round(edges[inside], 6)]) if inside.any() else None
+    parts = [] if joined is None else getattr(joined, "geoms", [joined])
+    return [FeatureLine(LineKind.SECTION, np.array(part.coords), _ON_SKIN) for part in parts]
+
+
+def section_drawing(
+    scene: PlateScene, plane: SectionPlane, projection: Projection, time: float, instruments: bool = True
+) -> PanelDrawing:
+    """Draw a section.
+
+    Parameters
+    ----------
+    scene
+        The procedure.
+    plane
+        The section.
+    projection
+        How it comes onto the paper (`section_projection`).
+    time
+        Time code of the frame.
+    instruments
+        Whether hooks near it are drawn.
+
+    Returns
+    -------
+    PanelDrawing
+        The drawing.
+    """
+    source = scene.source
+    epoch = source.epoch_at(time)
+    points, rest = source.positions(epoch, time), source.rest(epoch)
+    edges, was = plane.outline(points, epoch.triangles, rest)
+    pixels = _layers(scene, projection, edges, was)
+    strokes = [
+        Stroke(LineKind.WALL_FOOT, ring)
+        for area in filled_areas(pixels)
+        if area.kind is not AreaKind.SKIN
+        for ring in area.rings
+    ]
+    strokes += _outline(epoch.triangles, epoch.origin, points, plane, projection)
+    for line in scene.strands(time):
+        away = plane.beyond(line.points)
+        if line.kind is LineKind.THREAD or (instruments and line.kind is LineKind.INSTRUMENT):
+            strokes += [Stroke(line.kind, run) for run in _runs(projection.paper(line.points)[0], np.abs(away) < _NEAR)]
+    surface = drawn_surface(source, scene.bed, (), time)
+    areas = tuple(filled_areas(pixels))
+    return PanelDrawing(projection, surface, pixels, areas, tuple(clipped(strokes, projection.size)), (), ())
+
+
+def _layers(
+    scene: PlateScene, projection: Projection, edges: NDArray[np.float64], was: NDArray[np.float64]
+) -> SeenPixels:
+    """What layer each pixel of a panel shows."""
+    half = 0.5 * np.asarray(projection.size)
+    x = np.arange(-half[0] + 0.5 * _PIXEL, half[0], _PIXEL)
+    y = np.arange(-half[1] + 0.5 * _PIXEL, half[1], _PIXEL)
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    kind = np.full(len(places), -1, np.int64)
+    depth = np.full(len(places), np.inf)
+    first = scene.source.epochs[0]
+    skin = first.origin == FaceOrigin.SKIN
+    whole = ClosestPoint(scene.source.rest(first), first.triangles[skin])
+    for own in _pieces(edges):
+        flat = projection.paper(edges[own].reshape(-1, 3))[0].reshape(-1, 2, 2)
+        tissue = list(polygonize([LineString(edge) for edge in flat]).geoms)
+        inside = contains_xy(unary_union(tissue), places[:, 0], places[:, 1]) & (kind < 0)
+        if not inside.any():
+            continue
+        nearest, _, below = whole.query(mean_values(places[inside], flat, was[own]))
+        kind[inside] = wall_kinds(below, scene.source.column(first)[skin][nearest], scene.source.layers)
+        depth[inside] = _FAR
+    shape = (len(y), len(x))
+    return SeenPixels(np.full(shape, -1, np.int64), depth.reshape(shape), kind.reshape(shape), x, y)
+
+
+def _pieces(edges: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
+    """The edges (e,) of each piece of tissue in a section: across a closed wound two pieces touch and are not one."""
+    if not len(edges):
+        return []
+    corners, index = np.unique(np.round(edges.reshape(-1, 3), 6), axis=0, return_inverse=True)
+    pairs = index.reshape(-1, 2)
+    links = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(corners), len(corners)))
+    count, piece = connected_components(links, directed=False)
+    return [piece[pairs[:, 0]] == k for k in range(count)]
+
+
+def _outline(
+    triangles: NDArray[np.integer],
+    origin: NDArray[np.integer],
+    points: NDArray[np.floating],
+    plane: SectionPlane,
+    projection: Projection,
+) -> list[Stroke]:
+    """The outline of the section; edges of wounds are drawn as such, the rim of the cut-out is not drawn."""
+    kinds = (
+        ((FaceOrigin.SKIN,), LineKind.WOUND_EDGE),
+        ((FaceOrigin.UNDERSIDE, FaceOrigin.WOUND_WALL), LineKind.CONTOUR),
+    )
+    strokes = []
+    for origins, kind in kinds:
+        edges, _ = plane.outline(points, triangles[np.isin(origin, origins)], points)
+        flat = projection.paper(edges.reshape(-1, 3))[0].reshape(-1, 2, 2)
+        joined = unary_union([LineString(edge) for edge in np.round(flat, 6)]) if len(flat) else None
+        if joined is None:
+            continue
+        merged = linemerge(joined) if joined.geom_type == "MultiLineString" else joined
+        strokes += [Stroke(kind, np.array(line.coords)) for line in getattr(merged, "geoms", [merged])]
+    return strokes
+
+
+def _runs(points: NDArray[np.float64], kept: NDArray[np.bool_]) -> Sequence[NDArray[np.float64]]:
+    """The parts of a line (k, 2) whose points are kept."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]])))
+    return [points[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1]

@@ -1,0 +1,85 @@
+"""A soft shading below the lines, as an image: light on the tissue and shadow in the depth of wounds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, gaussian_filter, zoom
+
+from lappet.drawing.quantity_scale import ramp_display
+from lappet.plates.filled_areas import PIXEL, AreaKind
+from lappet.plates.panel_drawing import PanelDrawing
+
+_AMBIENT = 0.55
+_HALO = 1.6  # mm on paper: how far from an edge its shadow reaches
+_SHADOW = 0.30  # of the light that a place deep in a wound loses
+_DEEP = 4.0  # mm below what is around it at which it has lost nearly all of that
+
+
+def wash(
+    drawing: PanelDrawing,
+    light: NDArray[np.float64],
+    fills: dict[AreaKind, str],
+    goes_on: bool,
+    dpi: float,
+    full: float = 1.0,
+) -> NDArray[np.uint8]:
+    """Shade a panel.
+
+    The shadows of depth are those of an unsharp mask of the depth buffer (Luft, Colditz and Deussen 2006).
+
+    Parameters
+    ----------
+    drawing
+        The panel.
+    light
+        Unit vector towards the light, shape (3,).
+    fills
+        Color of each kind of area, #rrggbb.
+    goes_on
+        Whether skin is drawn where nothing is seen.
+    dpi
+        Pixels of the image per inch.
+    full
+        Value at the top of the scale of what is mapped.
+
+    Returns
+    -------
+    NDArray[np.uint8]
+        The image, RGB, shape (h, w, 3), first row on top.
+    """
+    pixels, surface = drawing.pixels, drawing.surface
+    shape = pixels.kind.shape
+    seen = (pixels.kind >= 0) & (pixels.triangle >= 0)
+    facing = np.einsum("mki,i->mk", surface.normals, light).mean(axis=1)
+    shade = np.ones(shape)
+    shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(facing[pixels.triangle[seen]], 0.0, 1.0)
+    beside = distance_transform_edt(~seen, return_distances=False, return_indices=True)
+    shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, 1.0)
+    depth = pixels.depth[tuple(beside)] if seen.any() else np.zeros(shape)
+    depth = depth - _slope(depth)  # what lies flat before the camera throws no shadow at the panel's border
+    around = gaussian_filter(depth, _HALO / PIXEL)
+    shade = shade * (1.0 - _SHADOW * np.tanh(np.clip(depth - around, 0.0, None) / _DEEP * 2.0))
+    palette = np.array([[int(fills[kind][k : k + 2], 16) for k in (1, 3, 5)] for kind in AreaKind], np.float64)
+    color = np.full((*shape, 3), 255.0)
+    color[seen] = palette[pixels.kind[seen]]
+    mapped = drawing.pixels.quantity
+    if mapped is not None:
+        known = np.isfinite(mapped)
+        color[known] = 255.0 * ramp_display(np.abs(mapped[known]) / full)
+    level = np.median(shade[pixels.kind == 0]) if (pixels.kind == 0).any() else 1.0
+    picture = color * np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)[..., None]
+    picture[~seen] = palette[0] if goes_on and mapped is None else 255.0
+    hollow = pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW)
+    picture[hollow] = palette[-1]
+    factor = dpi / 25.4 * PIXEL
+    picture = np.stack([zoom(picture[..., k], factor, order=1, mode="nearest") for k in range(3)], axis=-1)
+    return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+
+def _slope(depth: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The plane that fits a depth buffer best, (h, w)."""
+    rows, columns = np.indices(depth.shape, np.float64)
+    terms = np.stack([np.ones(depth.size), rows.ravel(), columns.ravel()], axis=1)
+    plane: NDArray[np.float64] = (terms @ np.linalg.lstsq(terms, depth.ravel(), rcond=None)[0]).reshape(depth.shape)
+    return plane

@@ -1,0 +1,61 @@
+"""A section shows the layers of the tissue as thick as they are, and its pieces apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lappet.drawing.framing import half_angles
+from lappet.drawing.section_plane import SectionPlane
+from lappet.drawing.skin_read import SkinCache
+from lappet.plates.filled_areas import AreaKind
+from lappet.plates.plate_cache import chosen_steps
+from lappet.plates.plate_scene import PlateScene, plate_scene
+from lappet.plates.section_drawing import section_drawing, section_line, section_projection
+
+SIZE = (54.0, 40.5)
+ACROSS = SectionPlane.of((0.0, 0.0, 0.0, 1.0, 0.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def scene(cache: SkinCache) -> PlateScene:
+    return plate_scene(cache, [step.time for step in chosen_steps(cache)], "oblique", SIZE)
+
+
+def test_whole_tissue_is_as_thick_in_the_section_as_it_is(scene: PlateScene, cache: SkinCache) -> None:
+    projection = section_projection(scene, ACROSS, SIZE)
+    drawing = section_drawing(scene, ACROSS, projection, cache.frames[0])
+    points = cache.positions(cache.epochs[0], cache.frames[0])
+    thickness = float(np.ptp(points[np.abs(points[:, 0]) < 3.0, 2]))
+    pixel = float(drawing.pixels.y[1] - drawing.pixels.y[0])
+    tall = (drawing.pixels.kind >= 0).sum(axis=0).max() * pixel / projection.scale
+    assert tall == pytest.approx(thickness, abs=2.0 * pixel / projection.scale)
+    assert half_angles(SIZE)[0] > projection.half_width  # without perspective
+
+
+def test_a_cut_parts_the_section(scene: PlateScene, cache: SkinCache) -> None:
+    projection = section_projection(scene, ACROSS, SIZE)
+    whole = section_drawing(scene, ACROSS, projection, cache.frames[0])
+    cut = next(step.time for step in chosen_steps(cache) if cache.epoch_at(step.time).name != cache.epochs[0].name)
+    parted = section_drawing(scene, ACROSS, projection, cut)
+
+    def pieces(drawing: object) -> int:
+        middle = (drawing.pixels.kind >= 0).any(axis=0)  # type: ignore[attr-defined]
+        return int((np.diff(np.concatenate([[0], middle.astype(int)])) == 1).sum())
+
+    assert pieces(whole) == 1
+    assert pieces(parted) == 2
+
+
+def test_the_line_of_the_section_lies_in_its_plane(scene: PlateScene, cache: SkinCache) -> None:
+    lines = section_line(scene, ACROSS, cache.frames[0])
+    assert lines
+    for line in lines:
+        assert np.abs(ACROSS.beyond(line.points)).max() < 1e-4
+
+
+def test_areas_of_a_section_are_layers(scene: PlateScene, cache: SkinCache) -> None:
+    drawing = section_drawing(scene, ACROSS, section_projection(scene, ACROSS, SIZE), cache.frames[-1])
+    kinds = {tuple(AreaKind)[k] for k in np.unique(drawing.pixels.kind) if k >= 0}
+    assert kinds <= {AreaKind.WALL_SKIN, AreaKind.WALL_FAT, AreaKind.WALL_DEEP}
+    assert kinds
