@@ -25,6 +25,13 @@ bool stays_beyond(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& wa
   return !box(0, kFirst).may_meet(box(kFirst, 4), distance);
 }
 
+// Sorts what is sorted already up to `begin`.
+template <class Pair, class Key>
+void sort_from(std::vector<Pair>& pairs, std::ptrdiff_t begin, const Key& key) {
+  std::ranges::sort(pairs.begin() + begin, pairs.end(), {}, key);
+  std::ranges::inplace_merge(pairs, pairs.begin() + begin, {}, key);
+}
+
 }  // namespace
 
 const std::vector<Piercing>& ContactCandidates::piercings(const std::vector<Vec3>& places) {
@@ -89,10 +96,22 @@ void ContactCandidates::cover(const std::vector<Vec3>& places) { cover(places, {
 
 void ContactCandidates::cover(const std::vector<Vec3>& places, const std::vector<Vec3>& ways) {
   if (holds_at(places, {}) && (ways.empty() || holds_at(places, ways))) return;
-  from_ = places;
-  ways_ = ways;
-  if (ways_.empty()) ways_.assign(places.size(), Vec3::Zero());
+  take_over(places, ways);
   search();
+}
+
+void ContactCandidates::take_over(const std::vector<Vec3>& places, const std::vector<Vec3>& ways) {
+  const bool all = from_.empty();
+  from_.resize(places.size());
+  ways_.resize(places.size());
+  marked_.assign(places.size(), 1);
+  for_each_index(places.size(), [&](std::size_t v) {
+    const Vec3 way = ways.empty() ? Vec3(Vec3::Zero()) : ways[v];
+    const Vec3 off = places[v] - from_[v];
+    marked_[v] = all || !(std::max(off.squaredNorm(), (off + way).squaredNorm()) <= slack_ * slack_);
+    if (marked_[v]) from_[v] = places[v];
+    ways_[v] = marked_[v] ? way : Vec3(Vec3::Zero());
+  });
 }
 
 // At the end of the ways, if any. The way from a place where they hold to another one is covered as well: the share of
@@ -117,7 +136,7 @@ bool ContactCandidates::holds_at(std::span<const Vec3> places, std::span<const V
 
 void ContactCandidates::search() {
   ++searches_;
-  surface_.refit(from_, ways_);
+  surface_.refit(from_, ways_, marked_);
   const BoxTree& tree = surface_.tree();
   std::vector<Found> found(tree.chunks());
   tree.for_each_pair(surface_.reach() + 2.0 * slack_, [&](std::size_t chunk, Index t, Index other) {
@@ -125,14 +144,17 @@ void ContactCandidates::search() {
     add_vertices(other, t, found[chunk]);
     add_edges(t, other, found[chunk]);
   });
-  vertex_faces_.clear();
-  edges_.clear();
+  std::erase_if(vertex_faces_,
+                [this](const VertexFacePair& pair) { return is_marked(surface_.corners_of(pair.vertex, pair.face)); });
+  std::erase_if(edges_, [this](const EdgePair& pair) { return is_marked(surface_.ends_of(pair.first, pair.second)); });
+  const auto known_faces = static_cast<std::ptrdiff_t>(vertex_faces_.size());
+  const auto known_edges = static_cast<std::ptrdiff_t>(edges_.size());
   for (const Found& of_chunk : found) {
     vertex_faces_.insert(vertex_faces_.end(), of_chunk.vertex_faces.begin(), of_chunk.vertex_faces.end());
     edges_.insert(edges_.end(), of_chunk.edges.begin(), of_chunk.edges.end());
   }
-  std::ranges::sort(vertex_faces_, {}, [](const VertexFacePair& pair) { return std::pair(pair.vertex, pair.face); });
-  std::ranges::sort(edges_, {}, [](const EdgePair& pair) { return std::pair(pair.first, pair.second); });
+  sort_from(vertex_faces_, known_faces, [](const VertexFacePair& pair) { return std::pair(pair.vertex, pair.face); });
+  sort_from(edges_, known_edges, [](const EdgePair& pair) { return std::pair(pair.first, pair.second); });
 }
 
 // The vertices that a triangle owns, with a face.
@@ -143,6 +165,7 @@ void ContactCandidates::add_vertices(Index of, Index face, Found& to) const {
     const auto& [p, q, r] = surface_.triangles()[face];
     if (v == p || v == q || v == r) continue;
     const auto corners = surface_.corners_of(v, face);
+    if (!is_marked(corners)) continue;
     const std::array<Vec3, 4> from = at(from_, corners), way = at(ways_, corners);
     if (stays_beyond<1>(from, way, surface_.reach() + 2.0 * slack_)) continue;
     const auto [of_a, of_b, of_c] = closest_on_triangle(from[0], from[1], from[2], from[3]).weights;
@@ -168,6 +191,7 @@ void ContactCandidates::add_edges(Index triangle, Index other, Found& to) const 
       if (!surface_.owns_edge(other, k)) continue;
       const Index e = surface_.edges_of(triangle)[i], f = surface_.edges_of(other)[k];
       const auto ends = surface_.ends_of(e, f);
+      if (!is_marked(ends)) continue;
       if (ends[0] == ends[2] || ends[0] == ends[3] || ends[1] == ends[2] || ends[1] == ends[3]) continue;
       const std::array<Vec3, 4> from = at(from_, ends), way = at(ways_, ends);
       if (stays_beyond<2>(from, way, kEdgeShare * surface_.reach() + 2.0 * slack_)) continue;
@@ -189,7 +213,7 @@ void ContactCandidates::add_edges(Index triangle, Index other, Found& to) const 
 
 std::size_t ContactCandidates::bytes() const {
   return (from_.size() + ways_.size() + looked_at_.size()) * sizeof(Vec3) +
-         vertex_faces_.size() * sizeof(VertexFacePair) + edges_.size() * sizeof(EdgePair);
+         vertex_faces_.size() * sizeof(VertexFacePair) + marked_.size() + edges_.size() * sizeof(EdgePair);
 }
 
 }  // namespace lappet

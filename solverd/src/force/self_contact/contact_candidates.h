@@ -1,5 +1,5 @@
 // The pairs of primitives that may come near each other, for a state and a straight way on from it. They are kept, with
-// a slack, and found anew only where a state lies farther than that off the way that they were found for.
+// a slack, and found anew only for vertices that lie farther than that off the ways that they were found for.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -60,7 +60,14 @@ class ContactCandidates {
 
   // Whether a state lies within the slack of the way that the candidates hold for.
   bool holds_at(std::span<const Vec3> places, std::span<const Vec3> ways) const;
+  // Marks the vertices that do not stay within the slack of where they were, and takes their places and ways; of all
+  // where none hold.
+  void take_over(const std::vector<Vec3>& places, const std::vector<Vec3>& ways);
+  // Finds the pairs of marked vertices.
   void search();
+  bool is_marked(const std::array<Index, 4>& vertices) const {
+    return marked_[vertices[0]] || marked_[vertices[1]] || marked_[vertices[2]] || marked_[vertices[3]];
+  }
   void add_vertices(Index of, Index face, Found& to) const;
   void add_edges(Index triangle, Index other, Found& to) const;
 
@@ -68,6 +75,7 @@ class ContactCandidates {
   double slack_;
   std::unordered_set<std::uint64_t> faces_left_out_, edges_left_out_;
   std::vector<Vec3> from_, ways_;  // the way that they hold for; empty: for none
+  std::vector<std::uint8_t> marked_;
   std::vector<VertexFacePair> vertex_faces_;
   std::vector<EdgePair> edges_;
   std::int64_t searches_ = 0;
