@@ -57,6 +57,7 @@ FOLDERS = (
     "output",
     "drawing",
     "plates",
+    "export",
     "bench",
     "demo",
     "reports",

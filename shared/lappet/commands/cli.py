@@ -12,6 +12,7 @@ import click
 from lappet.commands.check_command import check
 from lappet.commands.compare_command import compare
 from lappet.commands.demo_command import demo
+from lappet.commands.export_command import export
 from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
@@ -54,5 +55,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, plate, compare, new, models, flap, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, plate, export, compare, new, models, flap, report, keys):
     cli.add_command(_command)

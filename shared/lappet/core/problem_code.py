@@ -572,6 +572,16 @@ class ProblemCode(StrEnum):
     CURVE_SEVERAL = auto()
     CURVE_COUNT = auto()
 
+    # texts/export.toml
+    EXPORT_SUFFIX = auto()
+    EXPORT_FOLDER = auto()
+    EXPORT_PLACE = auto()
+    EXPORT_CACHES = auto()
+    EXPORT_OPTION = auto()
+    EXPORT_CACHE = auto()
+    EXPORT_FRAME = auto()
+    EXPORT_VIEWER = auto()
+
     # texts/foreign.toml
     READ_KIND = auto()
     READ_NOT_REGULAR = auto()
