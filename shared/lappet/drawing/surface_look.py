@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from lappet.anatomy.tissue_kind import KIND_COLORS, KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.drawing.skin_fields import RIM, SKIN
-from lappet.procedure.vessel import VESSEL_COLORS
 
 _PALE = 0.3  # of the skin's color in the rim of a patch, a quiet section through its layers
 
@@ -42,27 +41,13 @@ class SurfaceLook:
 
 SKIN_LOOK = SurfaceLook("Skin", "Skin", (0.757, 0.478, 0.358), 0.55)
 MUCOSA_LOOK = SurfaceLook("FreeBorder", "Free border", (0.62, 0.27, 0.24), 0.3)
+BED_LOOK = SurfaceLook("WoundBed", "Wound bed", (0.53, 0.155, 0.125), 0.35)
+VESSEL_LOOK = SurfaceLook("Vessel", "Vessels and nerves", (0.55, 0.1, 0.1), 0.34)
 THREAD_LOOK = SurfaceLook("Thread", "Thread", (0.008, 0.012, 0.045), 0.32)
 STEEL_LOOK = SurfaceLook("Steel", "Steel", (0.62, 0.64, 0.66), 0.36, 1.0)
 LANDMARK_LOOK = SurfaceLook("Landmark", "Landmark", (0.02, 0.16, 0.42), 0.4)
 BONE_LOOK = SurfaceLook("Bone", "Bone", (0.79, 0.72, 0.58), 0.6)
 PLAIN_COLOR = (0.62, 0.62, 0.62)  # of all tissue where only its shape is to be seen
-
-
-def vessel_look(kind: str) -> SurfaceLook:
-    """Return what a vessel or nerve looks like.
-
-    Parameters
-    ----------
-    kind
-        Its kind, such as "artery".
-
-    Returns
-    -------
-    SurfaceLook
-        The look.
-    """
-    return SurfaceLook(kind.capitalize(), kind.capitalize(), VESSEL_COLORS[kind], 0.34)
 
 
 def face_looks(

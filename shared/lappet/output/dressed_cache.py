@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
-from lappet.drawing.surface_look import BONE_LOOK, LANDMARK_LOOK, SKIN_LOOK
+from lappet.drawing.surface_look import BED_LOOK, BONE_LOOK, LANDMARK_LOOK, MUCOSA_LOOK, SKIN_LOOK, VESSEL_LOOK
+from lappet.output.drawn_bed import write_bed
 from lappet.output.drawn_instruments import write_instruments
 from lappet.output.named_steps import write_steps
-from lappet.output.preview_materials import LOOK_ROOT, SKIN_ROOT, bind, define_material, write_look_variants
+from lappet.output.preview_materials import LOOK_ROOT, SKIN_ROOT, bind, define_material, read_color, write_look_variants
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, SCENERY, SKIN_LINES, TIMELINE, TISSUE
 from lappet.program.program import Program
@@ -49,6 +50,7 @@ def dress(layer: Any, path: Path, procedure: Procedure, program: Program, frames
     stage = usd.Usd.Stage.Open(layer)
     try:
         source = SkinCache(path, _over(stage, below))
+        write_bed(stage, source)
         write_instruments(stage, source)
         write_steps(stage, source)
     except FigureError:
@@ -73,7 +75,7 @@ def _over(stage: Any, below: Any) -> Any:
 
 
 def _is_tissue(name: str) -> bool:
-    return name in (SKIN_LOOK.name, "FreeBorder") or name.startswith(("Cut", "Rim"))
+    return name in (SKIN_LOOK.name, MUCOSA_LOOK.name, BED_LOOK.name) or name.startswith(("Cut", "Rim"))
 
 
 def _bind_others(stage: Any, procedure: Procedure) -> None:
@@ -81,6 +83,10 @@ def _bind_others(stage: Any, procedure: Procedure) -> None:
     marks = stage.GetPrimAtPath(f"{SKIN_ROOT}/Landmarks")
     if marks:
         bind(stage, marks, LANDMARK_LOOK)
+    vessels = stage.GetPrimAtPath(f"{SKIN_ROOT}/Vessels")
+    if vessels:
+        bind(stage, vessels, VESSEL_LOOK)
+        read_color(stage, VESSEL_LOOK, "displayColor")
     if procedure.bones:
         bind(stage, stage.OverridePrim(BONE), BONE_LOOK)
     if procedure.scenery:

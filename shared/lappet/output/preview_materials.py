@@ -24,7 +24,7 @@ _OPAQUE = {"metallic": 0.0, "opacity": 1.0, "ior": 1.45}
 
 
 def define_material(stage: Any, look: SurfaceLook) -> Any:
-    """Define a material, if it is not there yet; its color comes from the variants.
+    """Define a material, if it is not there yet; `write_look_variants` moves its color into the variants.
 
     Parameters
     ----------
@@ -50,10 +50,9 @@ def define_material(stage: Any, look: SurfaceLook) -> Any:
     shader.CreateIdAttr("UsdPreviewSurface")
     for name, value in {**_OPAQUE, "metallic": look.metallic, "roughness": look.roughness}.items():
         shader.CreateInput(name, types.Float).Set(value)
-    shader.CreateInput("diffuseColor", types.Color3f)
+    shader.CreateInput("diffuseColor", types.Color3f).Set(usd.Gf.Vec3f(*look.color))
     surface = shader.CreateOutput("surface", types.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface)
-    material.GetPrim().SetCustomDataByKey("lappet:color", usd.Gf.Vec3f(*look.color))
     return material
 
 
@@ -101,6 +100,33 @@ def bind_faces(stage: Any, mesh: Any, looks: Sequence[SurfaceLook], index: NDArr
     binding(mesh.GetPrim()).Bind(define_material(stage, SKIN_LOOK))
 
 
+def read_color(stage: Any, look: SurfaceLook, primvar: str) -> None:
+    """Let a material take its color from a primvar of what it is bound to, which is stronger than its own.
+
+    Parameters
+    ----------
+    stage
+        The stage of the cache.
+    look
+        The material's look; it is defined already.
+    primvar
+        Name of the primvar.
+    """
+    usd = pxr()
+    types, path = usd.Sdf.ValueTypeNames, f"{LOOK_ROOT}/{look.name}"
+    reader = usd.UsdShade.Shader.Define(stage, f"{path}/Color")
+    reader.CreateIdAttr("UsdPrimvarReader_float3")
+    reader.CreateInput("varname", types.String).Set(primvar)
+    reader.CreateInput("fallback", types.Float3).Set(usd.Gf.Vec3f(*look.color))
+    result = reader.CreateOutput("result", types.Float3)
+    _color(stage, look.name).ConnectToSource(result)
+
+
+def _color(stage: Any, name: str) -> Any:
+    """The input of a material's surface that says its color."""
+    return pxr().UsdShade.Shader(stage.GetPrimAtPath(f"{LOOK_ROOT}/{name}/Surface")).GetInput("diffuseColor")
+
+
 def write_look_variants(
     stage: Any, tissue: Iterable[str], strain: Mapping[str, Mapping[float, NDArray[np.float32]]]
 ) -> None:
@@ -117,20 +143,19 @@ def write_look_variants(
         is not known.
     """
     usd = pxr()
-    shade, gray = usd.UsdShade, set(tissue)
-    skin, root = stage.GetPrimAtPath(SKIN_ROOT), stage.GetPrimAtPath(LOOK_ROOT)
-    colors = {prim.GetName(): prim.GetCustomDataByKey("lappet:color") for prim in root.GetChildren()}
-    for prim in root.GetChildren():
-        prim.ClearCustomDataByKey("lappet:color")
-    variants = skin.GetVariantSets().AddVariantSet("look")
+    gray = set(tissue)
+    names = [prim.GetName() for prim in stage.GetPrimAtPath(LOOK_ROOT).GetChildren()]
+    colors = {name: _color(stage, name).Get() for name in names}
+    for name in names:
+        _color(stage, name).GetAttr().Clear()
+    variants = stage.GetPrimAtPath(SKIN_ROOT).GetVariantSets().AddVariantSet("look")
     for name in LOOKS if strain else LOOKS[:2]:
         variants.AddVariant(name)
         variants.SetVariantSelection(name)
         with variants.GetVariantEditContext():
             for material, color in colors.items():
-                shader = shade.Shader(stage.GetPrimAtPath(f"{LOOK_ROOT}/{material}/Surface"))
                 own = usd.Gf.Vec3f(*PLAIN_COLOR) if name == "plain" and material in gray else color
-                shader.GetInput("diffuseColor").Set(own)
+                _color(stage, material).Set(own)
             if name == "strain":
                 _color_by_strain(stage, strain)
     variants.SetVariantSelection(LOOKS[0])
@@ -149,10 +174,5 @@ def _color_by_strain(stage: Any, strain: Mapping[str, Mapping[float, NDArray[np.
         for time, values in frames.items():
             shade = np.clip(np.nan_to_num(values) / highest * _SHADES, 0, _SHADES - 1).astype(np.int32)
             color.SetIndices(usd.Vt.IntArray.FromNumpy(shade), time)
-    reader = usd.UsdShade.Shader.Define(stage, f"{LOOK_ROOT}/{SKIN_LOOK.name}/StrainColor")
-    reader.CreateIdAttr("UsdPrimvarReader_float3")
-    reader.CreateInput("varname", types.String).Set("strainColor")
-    result = reader.CreateOutput("result", types.Float3)
-    surface = usd.UsdShade.Shader(stage.GetPrimAtPath(f"{LOOK_ROOT}/{SKIN_LOOK.name}/Surface"))
-    surface.GetInput("diffuseColor").ConnectToSource(result)
+    read_color(stage, SKIN_LOOK, "strainColor")
     stage.GetPrimAtPath(SKIN_ROOT).SetCustomDataByKey("lappet:strainFullScale", highest)
