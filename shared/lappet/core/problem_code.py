@@ -567,6 +567,8 @@ class ProblemCode(StrEnum):
     EXPORT_OPTION = auto()
     EXPORT_CACHE = auto()
     EXPORT_FRAME = auto()
+    EXPORT_PROCEDURE = auto()
+    EXPORT_VIEWER = auto()
 
     # texts/foreign.toml
     READ_KIND = auto()
