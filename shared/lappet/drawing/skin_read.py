@@ -371,5 +371,5 @@ def _opened(path: Path) -> Any:
 
 
 def _kinds(vessels: Any) -> str:
-    """The attribute with the kinds of vessels; before Lappet 0.2 it was a primvar."""
+    """The attribute with the kinds of vessels; in older caches it is a primvar."""
     return "lappet:kind" if vessels.HasAttribute("lappet:kind") else "primvars:kind"
