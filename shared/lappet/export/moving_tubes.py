@@ -6,7 +6,8 @@ drawn next to that time.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,15 +47,15 @@ def instrument_shapes(cache: SkinCache, frames: Sequence[float]) -> list[MovingS
     threads = SutureThread(cache, axes[0] + 0.6 * axes[1], scale, buried_sutures(cache))
     hooks = HookSteel(cache, axes, field.center, scale)
     radius = THREAD_RADIUS * scale
-    drawn = (
+    drawn: tuple[tuple[str, SurfaceLook, int, list[dict[Any, Line]]], ...] = (
         ("threads", THREAD_LOOK, _THREAD_SIDES, [_thick(threads.named_lines(time), radius) for time in frames]),
-        ("hooks", STEEL_LOOK, _STEEL_SIDES, [hooks.named_tubes(time) for time in frames]),
+        ("hooks", STEEL_LOOK, _STEEL_SIDES, [dict(hooks.named_tubes(time)) for time in frames]),
     )
     shapes = [tube_shape(name, look, sides, frames, lines) for name, look, sides, lines in drawn]
     return [shape for shape in shapes if shape is not None]
 
 
-def _thick(lines: Mapping[tuple[int, int], NDArray[np.float64]], radius: float) -> dict[tuple[int, int], Line]:
+def _thick(lines: Mapping[tuple[int, int], NDArray[np.float64]], radius: float) -> dict[Any, Line]:
     return {key: (line, radius) for key, line in lines.items()}
 
 
@@ -63,7 +64,7 @@ def tube_shape(
     look: SurfaceLook,
     sides: int,
     frames: Sequence[float],
-    lines: Sequence[Mapping[Hashable, Line]],
+    lines: Sequence[Mapping[Any, Line]],
 ) -> MovingShape | None:
     """Make tubes of lines.
 
@@ -93,7 +94,8 @@ def tube_shape(
     keys = list(dict.fromkeys(key for own in lines for key in own))
     slots = [_slot([lines[k].get(key) for k in span]) for key in keys]
     lengths = [len(slot[0][0]) for slot in slots]
-    positions, normals = [], []
+    positions: list[NDArray[np.float32]] = []
+    normals: list[NDArray[np.float32]] = []
     for number in range(len(span)):
         own = [slot[number][0] for slot in slots]
         center = np.repeat(np.concatenate(own), sides, axis=0)
@@ -148,7 +150,5 @@ def _turned(
 
 def _triangles(lengths: Sequence[int], sides: int) -> NDArray[np.int32]:
     corners, starts = tube_faces(lengths, sides)
-    found = [
-        (face[0], face[k], face[k + 1]) for face in np.split(corners, starts[1:]) for k in range(1, len(face) - 1)
-    ]
+    found = [(face[0], face[k], face[k + 1]) for face in np.split(corners, starts[1:]) for k in range(1, len(face) - 1)]
     return np.array(found, np.int32).reshape(-1, 3)
