@@ -17,7 +17,7 @@ export class Labels {
   private again = 0;
 
   constructor(
-    private readonly into: HTMLElement,
+    into: HTMLElement,
     stages: Stage[],
     private readonly requestDraw: () => void,
   ) {

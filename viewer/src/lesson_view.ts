@@ -113,6 +113,8 @@ export class LessonView {
         this.player.seek(time);
         this.paint(performance.now());
       },
+      /** The positions that are on the screen. */
+      shown: (procedure = 0) => Array.from(this.stages[procedure].points()),
       time: () => this.player.time,
       length: () => this.player.timeline.length,
       epoch: (frame: number, procedure = 0) =>

@@ -567,7 +567,6 @@ class ProblemCode(StrEnum):
     EXPORT_OPTION = auto()
     EXPORT_CACHE = auto()
     EXPORT_FRAME = auto()
-    EXPORT_PROCEDURE = auto()
     EXPORT_VIEWER = auto()
 
     # texts/foreign.toml

@@ -155,19 +155,6 @@ class SkinCache(SkinSource):
             for kind, line, width, begin, end in zip(kinds, lines, widths, begins, ends, strict=True)
         ]
 
-    def missing_layers(self) -> tuple[str, ...]:
-        """Name the layers of the cache that are not found where it says they are, such as its procedure.
-
-        Returns
-        -------
-        tuple[str, ...]
-            Their paths.
-        """
-        usd = pxr()
-        root = self._stage.GetRootLayer()
-        paths = (root.ComputeAbsolutePath(path) for path in root.subLayerPaths)
-        return tuple(path for path in paths if not usd.Sdf.Layer.FindOrOpen(path))
-
     def vessel_points(self, time: float) -> NDArray[np.float64]:
         """Return the points of all pieces of vessels at a frame.
 

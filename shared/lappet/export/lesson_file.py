@@ -9,13 +9,13 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.drawing.quantity_scale import RAMP
-from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import chosen_frames, exported_cache
 from lappet.export.lesson_arrays import LessonArrays
 from lappet.export.lesson_page import lesson_page
 from lappet.export.lesson_procedure import lesson_procedure
+from lappet.export.lesson_skin import quantity_scales
 from lappet.export.lesson_words import lesson_words
 from lappet.export.viewer_program import viewer_program
 
@@ -46,12 +46,12 @@ def write_lesson(request: ExportRequest) -> list[Path]:
     frames = request.options.get("frames")
     sources = [exported_cache(path, request.limits) for path in request.caches]
     shown = [chosen_frames(source, None if frames is None else tuple(frames)) for source in sources]
-    for source in sources:
-        _check_told(source)
     names = [path.name.split(".")[0].replace("_", " ") for path in request.caches]
     arrays = LessonArrays()
     try:
-        procedures = [lesson_procedure(*each, arrays) for each in zip(sources, names, shown, strict=True)]
+        scales = quantity_scales(list(zip(sources, shown, strict=True)))
+        told = zip(sources, names, shown, strict=True)
+        procedures = [lesson_procedure(source, name, times, scales, arrays) for source, name, times in told]
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, request.caches[0], reason=str(error)) from error
     content: dict[str, Any] = {
@@ -66,13 +66,6 @@ def write_lesson(request: ExportRequest) -> list[Path]:
     }
     _write(lesson_page(content, arrays.block(), program), request.target)
     return [request.target]
-
-
-def _check_told(source: SkinCache) -> None:
-    """Refuse a cache whose procedure is not found: without its events there are no steps to tell."""
-    missing = source.missing_layers()
-    if missing:
-        raise refused(ProblemCode.EXPORT_PROCEDURE, source.path, missing[0])
 
 
 def _write(page: str, path: Path) -> None:

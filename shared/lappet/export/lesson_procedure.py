@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,9 @@ _SIZE = (160.0, 100.0)  # of the panel that the field is found for; the browser 
 _DIRECTIONS = 96
 
 
-def lesson_procedure(source: SkinCache, title: str, frames: tuple[float, ...], arrays: LessonArrays) -> dict[str, Any]:
+def lesson_procedure(
+    source: SkinCache, title: str, frames: tuple[float, ...], scales: Mapping[str, Any], arrays: LessonArrays
+) -> dict[str, Any]:
     """Write a procedure.
 
     Parameters
@@ -34,6 +36,8 @@ def lesson_procedure(source: SkinCache, title: str, frames: tuple[float, ...], a
         Its name in the lesson.
     frames
         Time codes of the frames that are shown, ascending.
+    scales
+        The color scales of its quantities (`lappet.export.lesson_skin.quantity_scales`).
     arrays
         Where its arrays go.
 
@@ -44,14 +48,14 @@ def lesson_procedure(source: SkinCache, title: str, frames: tuple[float, ...], a
     """
     steps = [step for step in plate_steps(source, _normal(source)) if step.time in frames]
     scene = plate_scene(source, [step.time for step in steps] or [frames[0], frames[-1]], "oblique", _SIZE)
-    skin = LessonSkin(source, frames, arrays)
+    skin = LessonSkin(source, frames, scales, arrays)
     return {
         "title": title,
         "fps": source.fps,
         "times": list(frames),
         "steps": [{"frame": frames.index(step.time), "kind": str(step.kind)} for step in steps],
         "epochs": skin.epochs(),
-        "quantities": skin.scales,
+        "quantities": scales,
         "layers": _layers(source),
         "bed": _bed(scene, frames, arrays),
         "scenery": [

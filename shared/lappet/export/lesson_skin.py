@@ -79,15 +79,13 @@ def drawn_vertices(source: SkinSource, epoch: SkinEpoch, grid_scale: NDArray[np.
     return DrawnVertices(rows[:, 1], rows[:, 2], rows[:, 3:], triangles, faces, vertices)
 
 
-def quantity_scales(source: SkinSource, frames: Sequence[float]) -> dict[str, dict[str, Any]]:
-    """Choose the color scales of what the cache holds of the skin.
+def quantity_scales(shown: Sequence[tuple[SkinSource, Sequence[float]]]) -> dict[str, dict[str, Any]]:
+    """Choose the color scales of what caches hold of the skin, the same for all of them.
 
     Parameters
     ----------
-    source
-        The solved procedure.
-    frames
-        Time codes of the frames.
+    shown
+        The solved procedures, each with the time codes of its frames.
 
     Returns
     -------
@@ -96,13 +94,9 @@ def quantity_scales(source: SkinSource, frames: Sequence[float]) -> dict[str, di
     """
     found = {}
     for name in SCALARS:
-        peaks = []
-        for time in frames:
-            values = source.scalar(source.epoch_at(time), name, time)
-            if values is None:
-                break
-            peaks.append(frame_peak(values))
-        if len(peaks) == len(frames):
+        every = [source.scalar(source.epoch_at(time), name, time) for source, frames in shown for time in frames]
+        peaks = [frame_peak(values) for values in every if values is not None]
+        if len(peaks) == len(every):
             found[name] = {"full": full_value(max(peaks)), "unit": UNITS[name].strip()}
     return found
 
@@ -116,18 +110,21 @@ class LessonSkin:
         The solved procedure.
     frames
         Time codes of the frames that are shown.
+    scales
+        The color scales of its quantities (`quantity_scales`).
     arrays
         Where its arrays go.
     """
 
-    def __init__(self, source: SkinSource, frames: Sequence[float], arrays: LessonArrays) -> None:
-        self._source, self._frames, self._arrays = source, frames, arrays
+    def __init__(
+        self, source: SkinSource, frames: Sequence[float], scales: Mapping[str, Any], arrays: LessonArrays
+    ) -> None:
+        self._source, self._frames, self._arrays, self._scales = source, frames, arrays, scales
         first = source.epochs[0]
         skin = first.origin == SKIN
         self._grid_scale = (
             uv_scale(source.rest(first), first.triangles[skin], first.st[skin]) if first.st is not None else np.ones(2)
         )
-        self.scales = quantity_scales(source, frames)
 
     def epochs(self) -> list[dict[str, Any]]:
         """Write all epochs of which a frame is shown.
@@ -138,9 +135,9 @@ class LessonSkin:
             Each epoch's numbers and where its arrays lie.
         """
         shown = [(epoch, [t for t in self._frames if t in epoch.frames]) for epoch in self._source.epochs]
-        return [self._epoch(epoch, times, self.scales) for epoch, times in shown if times]
+        return [self._epoch(epoch, times) for epoch, times in shown if times]
 
-    def _epoch(self, epoch: SkinEpoch, times: list[float], scales: Mapping[str, Any]) -> dict[str, Any]:
+    def _epoch(self, epoch: SkinEpoch, times: list[float]) -> dict[str, Any]:
         arrays, source = self._arrays, self._source
         drawn = drawn_vertices(source, epoch, self._grid_scale)
         low = drawn.grid.min(axis=0)
@@ -164,7 +161,7 @@ class LessonSkin:
             "positions": arrays.positions(states),
             "lips": arrays.add(lips.astype(np.uint32)),
             "lipCounts": [len(chain) for chain in chains],
-            "quantities": {name: self._quantity(epoch, times, name, drawn) for name in scales},
+            "quantities": {name: self._quantity(epoch, times, name, drawn) for name in self._scales},
         }
 
     def _quantity(self, epoch: SkinEpoch, times: list[float], name: str, drawn: DrawnVertices) -> dict[str, int]:
@@ -174,6 +171,6 @@ class LessonSkin:
         for time in times:
             values = self._source.scalar(epoch, name, time)
             assert values is not None  # or it had no scale
-            share = np.nan_to_num(np.abs(values[skin]), nan=0.0, posinf=0.0) / self.scales[name]["full"]
+            share = np.nan_to_num(np.abs(values[skin]), nan=0.0, posinf=0.0) / self._scales[name]["full"]
             rows.append(np.rint(255.0 * share.clip(0.0, 1.0)).astype(np.uint8))
         return self._arrays.add(np.stack(rows), len(skin))

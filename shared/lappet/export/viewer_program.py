@@ -1,4 +1,4 @@
-"""Find the program of lessons, which `viewer/` builds: the package's own, or that of a source checkout's build folder."""
+"""Find the program of lessons, built from `viewer/`: the package's own, or that of a checkout's build folder."""
 
 from __future__ import annotations
 
