@@ -159,7 +159,7 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(skin_cache: 
     assert refusal((skin_cache,) * 3, target) == ProblemCode.EXPORT_CACHES
     assert refusal((skin_cache,), tmp_path / "lesson.htm") == ProblemCode.EXPORT_SUFFIX
     assert refusal((skin_cache,), tmp_path / "none" / "lesson.html") == ProblemCode.EXPORT_FOLDER
-    assert refusal((skin_cache,), target, colour="red") == ProblemCode.EXPORT_OPTION
+    assert refusal((skin_cache,), target, paper="red") == ProblemCode.EXPORT_OPTION
 
 
 def test_a_cache_without_its_procedure_is_refused(tmp_path: Path) -> None:

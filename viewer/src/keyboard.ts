@@ -17,8 +17,8 @@ export function listenToKeys(
   const anywhere: Record<string, () => void> = {
     ",": () => player.nudge(-1),
     ".": () => player.nudge(1),
-    PageUp: () => transport.stepBack(),
-    PageDown: () => player.toStep(player.step + 1),
+    PageUp: () => player.skip(-1),
+    PageDown: () => player.skip(1),
     "+": () => picture.zoom(1 / ZOOM),
     "=": () => picture.zoom(1 / ZOOM),
     "-": () => picture.zoom(ZOOM),

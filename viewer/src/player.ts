@@ -44,6 +44,12 @@ export class Player {
     if (steps.length) this.seek(steps[Math.min(steps.length - 1, Math.max(0, index))].time);
   }
 
+  /** To the picture of the step before, or of the next. */
+  skip(way: -1 | 1): void {
+    this.playing = false;
+    this.seek(this.timeline.beside(this.time, way));
+  }
+
   /** One whole frame back or on. */
   nudge(way: number): void {
     this.playing = false;

@@ -37,13 +37,17 @@ export class Timeline {
     return a.frames[procedure] + share * (b.frames[procedure] - a.frames[procedure]);
   }
 
-  /** The step that a time belongs to: the last that has begun. */
+  /** The step that a time belongs to: what is done on the way to a step's picture belongs to that step. */
   stepAt(time: number): number {
-    let found = 0;
-    this.steps.forEach((step, k) => {
-      if (step.time <= time + 1e-6) found = k;
-    });
-    return found;
+    const found = this.steps.findIndex((step) => step.time >= time - 1e-6);
+    return found < 0 ? Math.max(0, this.steps.length - 1) : found;
+  }
+
+  /** The time of the step's picture before a time, or of the one after it; the ends where there is none. */
+  beside(time: number, way: -1 | 1): number {
+    const times = this.steps.map((step) => step.time);
+    if (way > 0) return times.find((each) => each > time + 1e-6) ?? this.length;
+    return times.reverse().find((each) => each < time - 1e-6) ?? 0;
   }
 
   private timeOf(frame: number): number {

@@ -25,8 +25,8 @@ export class Transport {
     private readonly words: Words,
   ) {
     this.play = iconButton("play", () => player.toggle(), { id: "play" });
-    this.previous = iconButton("previous", () => this.stepBack(), { id: "previous" });
-    this.next = iconButton("next", () => player.toStep(player.step + 1), { id: "next" });
+    this.previous = iconButton("previous", () => player.skip(-1), { id: "previous" });
+    this.next = iconButton("next", () => player.skip(1), { id: "next" });
     this.slider.max = String(player.timeline.length);
     this.slider.addEventListener("input", () => {
       player.playing = false;
@@ -58,13 +58,6 @@ export class Transport {
       ),
     );
     this.speak();
-  }
-
-  /** Page up: to the begin of this step, or to the one before where it has only begun. */
-  stepBack(): void {
-    const { player } = this;
-    const at = player.timeline.steps[player.step];
-    player.toStep(at && player.time > at.time + 0.5 ? player.step : player.step - 1);
   }
 
   speak(): void {
