@@ -1,4 +1,4 @@
-"""The extension is disabled, reinstalled and disabled again whatever it is doing: `python tests/gui/run.py takedown.py`.
+"""The extension is disabled and reinstalled whatever it is doing: `python tests/gui/run.py takedown.py`.
 
 Each part leaves Blender at work (a line half drawn, a hook held, a handle dragged, live mode, a solve) and takes the
 extension down; then the window is drawn and gets events as before.
@@ -66,9 +66,11 @@ def scenario(blender: Driver) -> Steps:
     bpy.ops.ed.undo_push(message="Procedure")
     yield from blender.show_tab("Lappet")
     yield 0.5
+    yield from set_while_it_works(blender)
     for begin in (line_half_drawn, hook_held, suture_half_placed, handle_held, live, solving, playing, lattice_shown):
         for end in (disable, reinstall):
             yield from taken_down(blender, begin, end)
+    yield from set_while_it_works(blender)
     yield from set_while_it_works(blender)
 
 
@@ -143,7 +145,7 @@ def handle_held(blender: Driver) -> Steps:
             break
     yield 1.0
     gizmos = import_module(f"{MODULE}.tools.flap_gizmos")
-    places = dict((h.name, p) for h, p in gizmos.shown_places(scene, blender.area().spaces.active))
+    places = {h.name: p for h, p in gizmos.shown_places(scene, blender.area().spaces.active)}
     at = blender.at(places["place"])
     yield from blender.move(at)
     yield 0.3
@@ -187,28 +189,30 @@ def lattice_shown(blender: Driver) -> Steps:
 
 
 def set_while_it_works(blender: Driver) -> Steps:
-    """Makes another mesh the tissue, and the first again, while frames are solved, played and drawn."""
-    scene = bpy.context.scene
+    """Makes another mesh the tissue, and the first again, while frames are solved, played and drawn; undoes it."""
     print("--- tissue_set while the window works", flush=True)
-    with blender.override():
-        bpy.ops.mesh.primitive_grid_add(x_subdivisions=30, y_subdivisions=20, size=40.0, location=(80.0, 0.0, 0.0))
-        bpy.context.object.name = "Other"
-    yield from blender.set_tool("lappet.cutting.incision")
-    yield from blender.click(blender.at(height(-20, -8)))
-    for state in (solving, playing):
+    if "Other" not in bpy.data.objects:
+        with blender.override():
+            bpy.ops.mesh.primitive_grid_add(
+                "EXEC_DEFAULT", True, x_subdivisions=30, y_subdivisions=20, size=40.0, location=(80.0, 0.0, 0.0)
+            )
+            bpy.context.object.name = "Other"
+        bpy.ops.ed.undo_push(message="Another mesh")
+    for state in (solving, playing, line_half_drawn):
         yield from state(blender)
-        for name, thickness in (("Other", 4.0), ("block", 0.0)) * 4:
+        for name, thickness in (("Other", 4.0), ("block", 0.0)) * 3:
             with blender.override("UI"):
-                bpy.ops.lappet.tissue_set(
-                    "INVOKE_DEFAULT" if name == "Other" else "EXEC_DEFAULT", object=name, thickness=thickness
-                )
+                bpy.ops.lappet.tissue_set("EXEC_DEFAULT", True, object=name, thickness=thickness)
+            found = bpy.context.scene.lappet.tissue.object
+            blender.expect(found is not None and found.name == name, f"{state.__name__}: {name} becomes the tissue")
             yield from moves(blender)
             yield from blender.key("Z", ctrl=True)
-            yield 0.1
-    with blender.override():
-        bpy.ops.screen.animation_cancel()
-    yield from blender.key("ESC")
-    blender.expect(scene.lappet.tissue.object is not None, "tissue is set while the window works")
+            yield 0.2
+        with blender.override():
+            bpy.ops.screen.animation_cancel()
+        yield from blender.key("ESC")
+        bpy.ops.lappet.tissue_set("EXEC_DEFAULT", True, object="block")
+        yield 0.2
 
 
 if __name__ == "__main__":

@@ -109,4 +109,4 @@ def unregister() -> None:
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)
-    skin_display.clear_all()
+    skin_display.stop()

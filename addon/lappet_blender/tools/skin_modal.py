@@ -23,7 +23,7 @@ Result = set[str]
 Hint = tuple[str, str]  # an icon of Blender and a word or two
 RUNNING: Result = {"RUNNING_MODAL"}
 _NAVIGATION = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "MOUSEROTATE", "MOUSESMARTZOOM", "NDOF", "NUMPAD_", "BUTTON")
-_running: list[SkinModal] = []
+running: list[SkinModal] = []
 _FRAMES = frozenset({"LEFT_ARROW", "RIGHT_ARROW", "UP_ARROW", "DOWN_ARROW", "SPACE", "MEDIA_PLAY", "HOME"})
 
 
@@ -105,7 +105,7 @@ class SkinModal(OperatorBase):
             clear_preview()
             return ended
         context.window_manager.modal_handler_add(self)
-        _running.append(self)
+        running.append(self)
         hints = self.hints
         context.workspace.status_text_set(lambda bar, _context: _draw_hints(bar.layout, hints))
         self._say(context)
@@ -172,8 +172,8 @@ class SkinModal(OperatorBase):
             context.area.header_text_set(self.text(context))
 
     def _end(self, context: bpy.types.Context, result: Result) -> Result:
-        if self in _running:
-            _running.remove(self)
+        if self in running:
+            running.remove(self)
         if "FINISHED" not in result:
             self.abandoned(context)
         clear_preview()
@@ -186,8 +186,8 @@ class SkinModal(OperatorBase):
 
 def end_running() -> None:
     """End every tool that runs, before its class goes: Blender frees it without a word to it."""
-    while _running:
-        _running.pop().abandoned(bpy.context)
+    while running:
+        running.pop().abandoned(bpy.context)
     clear_preview()
     clear_texts()
 

@@ -9,10 +9,9 @@ from .incision_tool import draw_incision_settings
 
 _PRESS = {"type": "LEFTMOUSE", "value": "PRESS"}
 _OWN_TOOL, _OWN_KEYMAP = "builtin.select_box", "3D View Tool: Select Box"  # Blender's
-_TEXTS_OF_SETUP = ("gizmo_group", "data_block", "operator", "idname_fallback", "keymap_fallback")
+TEXTS_OF_SETUP = ("gizmo_group", "data_block", "operator", "idname_fallback", "keymap_fallback")
 # When a modal operator ends with the release, Blender still tells of a click, which would select the skin's object.
 _CLICK = ("lappet.ignore_click", {"type": "LEFTMOUSE", "value": "CLICK", "any": True}, None)
-
 
 
 class LAPPET_OT_ignore_click(bpy.types.Operator):
@@ -210,5 +209,5 @@ def _put_down(names: set[str]) -> None:
     for workspace in () if bpy.app.background else bpy.data.workspaces:
         tool = workspace.tools.from_space_view3d_mode("OBJECT", create=False)
         if tool is not None and tool.idname in names:
-            texts = dict.fromkeys(_TEXTS_OF_SETUP, "")
+            texts = dict.fromkeys(TEXTS_OF_SETUP, "")
             tool.setup(idname=_OWN_TOOL, keymap=_OWN_KEYMAP, **texts)
