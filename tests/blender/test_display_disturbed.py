@@ -188,3 +188,41 @@ def test_a_slot_that_is_emptied_gets_the_material_of_the_display_again(shown: bp
     shown.frame_set(3)
     assert skin(shown).data.materials[0] == given
     assert not any(name.startswith("own material") for name in find_collection(shown).keys())  # noqa: SIM118
+
+
+@pytest.mark.parametrize("way", ["ur", "uur", "uuurrr", "uruuru"])
+def test_undo_and_redo_past_what_was_shown_meanwhile_leave_nothing_that_is_freed(
+    scene: bpy.types.Scene, solved: Solved, way: str
+) -> None:
+    """Without taking the display away first Blender crashes here: it reads a collection whose objects are freed."""
+    add_tissue(scene)
+    name = scene.name
+    solved.manifests[name] = slit_manifest(5.0)
+    skin_display.refresh(scene)
+    for count in range(5):
+        bpy.context.scene.lappet.look.show_plan = bool(count % 2)
+        bpy.ops.ed.undo_push(message=f"step {count}")
+    bpy.context.scene.frame_set(10)  # thread, steel and bed are made, and no step of undo tells of them
+    bpy.context.view_layer.update()
+    for frame, step in enumerate(way, start=3):
+        getattr(bpy.ops.ed, "undo" if step == "u" else "redo")()
+        bpy.context.scene.frame_set(frame)
+        bpy.context.view_layer.update()
+        assert all(each.name for each in bpy.context.scene.objects[:])
+        places = np.empty(3 * len(skin(bpy.context.scene).data.vertices), np.float32)
+        skin(bpy.context.scene).data.vertices.foreach_get("co", places)
+        wanted = solved.manifests[name][1][frame].points * 0.1
+        np.testing.assert_allclose(places.reshape(-1, 3), wanted, atol=1e-6)
+
+
+def test_a_material_of_ones_own_outlives_an_undo(shown: bpy.types.Scene) -> None:
+    bpy.ops.ed.undo_push(message="solved")
+    skin(shown).data.materials[0] = own_material()
+    shown.frame_set(2)
+    bpy.ops.ed.undo_push(message="material")
+    shown.lappet.look.show_plan = not shown.lappet.look.show_plan
+    bpy.ops.ed.undo_push(message="plan")
+    bpy.ops.ed.undo()
+    assert skin(bpy.context.scene).data.materials[0].name == "Mine"
+    bpy.ops.ed.undo()
+    assert skin(bpy.context.scene).data.materials[0].name != "Mine", "it was undone"

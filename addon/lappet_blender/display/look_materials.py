@@ -68,7 +68,7 @@ def skin_materials(
     first = _kept(collection, roles[0], f"{units:g} {pixel:.3f} {opacity:g}", skin)
     if name in SCALARS:
         skin_material.set_full_scale(first, highest)
-    others = (
+    others: tuple[Callable[[TissueLayers, Space], bpy.types.Material], ...] = (
         partial(skin_material.wall_material, opacity=opacity),
         skin_material.underside_material,
         skin_material.rim_material,
