@@ -66,11 +66,9 @@ def scenario(blender: Driver) -> Steps:
     bpy.ops.ed.undo_push(message="Procedure")
     yield from blender.show_tab("Lappet")
     yield 0.5
-    yield from set_while_it_works(blender)
     for begin in (line_half_drawn, hook_held, suture_half_placed, handle_held, live, solving, playing, lattice_shown):
         for end in (disable, reinstall):
             yield from taken_down(blender, begin, end)
-    yield from set_while_it_works(blender)
     yield from set_while_it_works(blender)
 
 
@@ -200,7 +198,7 @@ def set_while_it_works(blender: Driver) -> Steps:
         bpy.ops.ed.undo_push(message="Another mesh")
     for state in (solving, playing, line_half_drawn):
         yield from state(blender)
-        for name, thickness in (("Other", 4.0), ("block", 0.0)) * 3:
+        for name, thickness in (("Other", 4.0), ("block", 0.0)) * 2:
             with blender.override("UI"):
                 bpy.ops.lappet.tissue_set("EXEC_DEFAULT", True, object=name, thickness=thickness)
             found = bpy.context.scene.lappet.tissue.object
