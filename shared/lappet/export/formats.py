@@ -16,6 +16,12 @@ def _lesson() -> ExportFunction:
     return write_lesson
 
 
+def _glb() -> ExportFunction:
+    from lappet.export.glb_file import write_glb
+
+    return write_glb
+
+
 EXPORTERS: tuple[Exporter, ...] = (
     Exporter(
         ".html",
@@ -23,6 +29,12 @@ EXPORTERS: tuple[Exporter, ...] = (
         _lesson,
         options=frozenset({"language", "title", "frames"}),
         most_caches=2,
+    ),
+    Exporter(
+        ".glb",
+        "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
+        _glb,
+        options=frozenset({"frames"}),
     ),
 )
 
