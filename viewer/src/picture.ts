@@ -199,7 +199,8 @@ export class Picture {
 
   private resize(): void {
     const frame = this.canvas.parentElement!;
-    const [width, height] = [Math.max(1, frame.clientWidth), Math.max(1, frame.clientHeight)];
+    const [width, height] = [frame.clientWidth, frame.clientHeight];
+    if (width < 2 || height < 2) return; // not laid out yet: a camera without a shape would keep NaN
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) * this.sharp);
     this.renderer.setSize(width, height, false);
     const [part] = this.parts();
