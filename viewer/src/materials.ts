@@ -180,9 +180,25 @@ const strandColors: Record<string, THREE.MeshStandardMaterialParameters> = {
   lips: { color: new THREE.Color(0.3, 0.045, 0.04), roughness: 0.6 },
 };
 
+/** By how much what lies on the skin is drawn as if it were nearer, in mm: threads sink into skin that bulges. */
+const LIFTED: Record<string, number> = { threads: 0.6, marks: 0.35, lips: 0.15 };
+
 export function strandMaterial(name: string, color?: readonly number[]): THREE.MeshStandardMaterial {
   const own = color ? { color: new THREE.Color(...(color as [number, number, number])), roughness: 0.35 } : strandColors[name];
-  return new THREE.MeshStandardMaterial(own);
+  const material = new THREE.MeshStandardMaterial(own);
+  const lift = LIFTED[name];
+  if (lift) {
+    material.onBeforeCompile = (shader) => {
+      shader.vertexShader = shader.vertexShader.replace(
+        "#include <project_vertex>",
+        `#include <project_vertex>
+         vec4 nearer = projectionMatrix * (mvPosition + vec4(0.0, 0.0, ${lift.toFixed(2)}, 0.0));
+         gl_Position.z = nearer.z / nearer.w * gl_Position.w;`,
+      );
+    };
+    material.customProgramCacheKey = () => `lifted ${lift}`;
+  }
+  return material;
 }
 
 const plain: Record<string, [number, number, number, number]> = {
