@@ -84,6 +84,17 @@ def of_version(bill: dict[str, Any], version: str) -> dict[str, Any]:
     return {**bill, "metadata": {"component": own}, "dependencies": relations}
 
 
+def without(bill: dict[str, Any], folder: str) -> dict[str, Any]:
+    """The bill of a wheel from which a folder was taken."""
+    kept = [one for one in bill["components"] if not one["bom-ref"].startswith(f"{folder}/")]
+    (relation,) = bill["dependencies"]
+    return {
+        **bill,
+        "components": kept,
+        "dependencies": [{**relation, "dependsOn": [one["bom-ref"] for one in kept]}],
+    }
+
+
 def of_extension(folder: Path, version: str) -> dict[str, Any]:
     """The bill of the extension's files before they are zipped: its wheels, with what the bills in them say."""
     own = _component("application", "lappet_blender", version, f"pkg:generic/lappet_blender@{version}", LICENSE)
@@ -178,7 +189,9 @@ def _viewer(folder: Path) -> list[dict[str, Any]]:
     made = []
     for name in sorted(set(own) - {"esbuild"}):  # it bundles, and is not in the bundle
         version = locked[f"node_modules/{name}"]["version"]
-        one = _component("library", name, version, f"pkg:npm/{name}@{version}", license_of(name), place=place, data=data)
+        one = _component(
+            "library", name, version, f"pkg:npm/{name}@{version}", license_of(name), place=place, data=data
+        )
         made.append({**one, "bom-ref": f"{place}#{name}", "description": "Bundled into the program of lessons"})
     return made
 
