@@ -13,6 +13,7 @@ from lappet.commands.check_command import check
 from lappet.commands.compare_command import compare
 from lappet.commands.demo_command import demo
 from lappet.commands.export_command import export
+from lappet.commands.film_command import film
 from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
@@ -55,5 +56,7 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, plate, export, compare, new, models, flap, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, plate, film, export, compare):
+    cli.add_command(_command)
+for _command in (new, models, flap, report, keys):
     cli.add_command(_command)
