@@ -1,11 +1,13 @@
 // The materials of a lesson: skin with its printed grid or a map, cut walls by their layers, bed, thread, steel.
 import * as THREE from "three";
 import type { Layers, Lesson } from "./lesson";
+import { noiseTexture } from "./noise";
 import surface from "./surface.glsl";
 
 export type Look = "painted" | "grid" | "tension" | "strain" | "stress";
 
 const WIDTH = 512;
+let noise: THREE.Data3DTexture | undefined; // one for all procedures
 
 const vertexHead = `
 attribute vec3 rest;
@@ -33,6 +35,7 @@ export interface Shared {
   uRamp: { value: THREE.Texture };
   uLayers: { value: THREE.Texture };
   uReach: { value: number };
+  uNoise: { value: THREE.Texture };
 }
 
 /** Linear color to sRGB bytes. */
@@ -119,6 +122,7 @@ export class Materials {
       uRamp: { value: rampTexture(lesson.ramp) },
       uLayers: { value: picture },
       uReach: { value: reach },
+      uNoise: { value: noise ??= noiseTexture() },
     };
     const soft = "mix(layer(0.1), vec3(0.80, 0.535, 0.405), 0.3)";
     this.tissue = [

@@ -62,6 +62,11 @@ class SkinCache(SkinSource):
         self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
 
     @property
+    def stage(self) -> Any:
+        """The open stage, with the procedure below the cache."""
+        return self._stage
+
+    @property
     def epochs(self) -> tuple[SkinEpoch, ...]:
         return self._epochs
 
