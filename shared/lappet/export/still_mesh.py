@@ -51,7 +51,9 @@ def write_meshes(request: ExportRequest) -> list[Path]:
         path = target if len(frames) == 1 else target.with_name(f"{target.stem}_{time:04g}{target.suffix}")
         triangles, points, looks, of_face = frame_surface(cache, time)
         _write(path, triangles, points, looks, of_face)
-        loose = open_edges(triangles)
+        # An STL has triangles without vertices: whoever reads it joins those at one place.
+        joined = _joined(points)[triangles] if path.suffix.lower() == ".stl" else triangles
+        loose = open_edges(joined)
         if loose:
             request.note(problem(ProblemCode.EXPORT_OPEN_SURFACE, path, loose))
         paths.append(path)
@@ -91,7 +93,7 @@ def frame_surface(
     return epoch.triangles, points, looks, of_face
 
 
-def open_edges(triangles: NDArray[np.int32]) -> int:
+def open_edges(triangles: NDArray[np.integer]) -> int:
     """Count the edges of a surface that do not join exactly two triangles of one orientation.
 
     Parameters
@@ -110,6 +112,12 @@ def open_edges(triangles: NDArray[np.int32]) -> int:
     ahead, back = (np.unique(key, return_counts=True) for key in (start * count + end, end * count + start))
     paired = np.isin(ahead[0], back[0][back[1] == 1]) & (ahead[1] == 1)
     return int((~paired).sum())
+
+
+def _joined(points: NDArray[np.float32]) -> NDArray[np.int64]:
+    """For each vertex the number of its place, to 10 nm."""
+    places = np.round(points.astype(np.float64), 5) + 0.0  # no negative zeros
+    return np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
 
 
 def _frames(cache: SkinCache, request: ExportRequest) -> tuple[float, ...]:
