@@ -11,6 +11,10 @@ from lappet.core.problem import Problem
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 
 
+def _untold(problem: Problem) -> None:
+    """Tell nobody."""
+
+
 @dataclass(frozen=True)
 class ExportRequest:
     """What is to be exported, and how.
@@ -33,7 +37,7 @@ class ExportRequest:
     target: Path
     options: Mapping[str, Any] = field(default_factory=dict)
     limits: ReadLimits = DEFAULT_LIMITS
-    note: Callable[[Problem], None] = lambda problem: None
+    note: Callable[[Problem], None] = _untold
 
 
 # Writes what a request says; returns the files.

@@ -131,6 +131,4 @@ class _Table:
             return [None] * len(self._frames)
         if not self._active:
             return [float(value) for value in values]
-        return [
-            float(value) if active[row] else None for value, active in zip(values, self._active, strict=True)
-        ]
+        return [float(value) if active[row] else None for value, active in zip(values, self._active, strict=True)]
