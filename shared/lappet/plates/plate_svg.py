@@ -184,9 +184,11 @@ def _annotate(
         _arrow(groups["arrows"], way, style.accent)
     for at in panel.notes.pivots:
         _pivot(groups["arrows"], at, style.accent)
-    for measure in (*panel.measures, *panel.notes.measures):
+    for measure in panel.notes.measures:  # they may lie on dark wounds
         if len(measure.arc):
             groups["measures"].append(_line(measure.arc, 2.0 * _FINE + 0.25, _HALO))
+    for measure in (*panel.measures, *panel.notes.measures):
+        if len(measure.arc):
             groups["measures"].append(_line(measure.arc, _FINE, _INK))
         groups["measures"].append(_text(measure.text, measure.at, LABEL_SIZE, font, "middle"))
     for letter in panel.drawing.letters:
