@@ -51,6 +51,7 @@ export class Picture {
     this.renderer.shadowMap.type = software ? THREE.BasicShadowMap : THREE.PCFShadowMap;
     this.renderer.autoClear = false;
     this.camera.up.copy(upright(stages[0]));
+    this.camera.position.set(0, -100, 100); // in its own target the controls would begin with NaN, and keep it
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = !still;
     this.controls.dampingFactor = 0.12;
