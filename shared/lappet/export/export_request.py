@@ -12,7 +12,13 @@ from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 
 
 def _untold(problem: Problem) -> None:
-    """Tell nobody."""
+    """Tell nobody.
+
+    Parameters
+    ----------
+    problem
+        What there would be to tell.
+    """
 
 
 @dataclass(frozen=True)

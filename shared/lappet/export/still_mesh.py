@@ -1,4 +1,4 @@
-"""`lappet export CACHE.usdc -o X.stl` (`.obj`, `.ply`, `.3mf`): the tissue's surface in one frame, in millimetres, Z up."""
+"""`lappet export CACHE.usdc -o X.stl` (`.obj`, `.ply`, `.3mf`): the tissue's surface in one frame, in mm, Z up."""
 
 from __future__ import annotations
 
