@@ -585,6 +585,11 @@ class ProblemCode(StrEnum):
     EXPORT_CACHE = auto()
     EXPORT_FRAME = auto()
     EXPORT_VIEWER = auto()
+    EXPORT_STEP = auto()
+    EXPORT_TWO_CHOICES = auto()
+    EXPORT_OPEN_SURFACE = auto()
+    EXPORT_NO_BPY = auto()
+    EXPORT_BLENDER = auto()
 
     # texts/foreign.toml
     READ_KIND = auto()
