@@ -59,6 +59,7 @@ FOLDERS = (
     "plates",
     "bench",
     "demo",
+    "installation",
     "reports",
     "commands",
 )
