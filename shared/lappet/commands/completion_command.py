@@ -30,8 +30,8 @@ Register-ArgumentCompleter -Native -CommandName %(prog_name)s -ScriptBlock {
 }
 """
 _HOW = {
-    "bash": "In ~/.bashrc:  eval \"$(lappet completion bash)\"",
-    "zsh": "In ~/.zshrc:  eval \"$(lappet completion zsh)\"",
+    "bash": 'In ~/.bashrc:  eval "$(lappet completion bash)"',
+    "zsh": 'In ~/.zshrc:  eval "$(lappet completion zsh)"',
     "fish": "lappet completion fish > ~/.config/fish/completions/lappet.fish",
     "powershell": "In $PROFILE:  lappet completion powershell | Out-String | Invoke-Expression",
 }
@@ -39,8 +39,7 @@ _HOW = {
 
 def add_powershell() -> None:
     """Have click answer PowerShell too, which it does not know by itself."""
-    from click.parser import split_arg_string
-    from click.shell_completion import ShellComplete, add_completion_class
+    from click.shell_completion import ShellComplete, add_completion_class, split_arg_string
 
     class PowerShell(ShellComplete):
         name = "powershell"

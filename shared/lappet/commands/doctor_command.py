@@ -39,7 +39,9 @@ def doctor(context: click.Context, /, as_json: bool) -> None:
         else:
             memory = here["memory_bytes"]
             size = "" if memory is None else f", {memory / 2**30:.0f} GiB"
-            click.echo(f"Lappet {version()} with Python {here['python']} on {here['system']}, {here['cores']} cores{size}")
+            click.echo(
+                f"Lappet {version()} with Python {here['python']} on {here['system']}, {here['cores']} cores{size}"
+            )
             for each in found:
                 _print(each)
     if any(each.state == "broken" for each in found):

@@ -57,5 +57,7 @@ def _solve() -> Finding:
     cells = last.lattice.cells if last.lattice is not None else 0
     value = f"a hook lifts a patch of {cells} cells by {lifted:.2f} mm in {seconds:.1f} s"
     if not 0.5 * _LIFT < lifted < 1.01 * _LIFT:  # a hook yields like a spring
-        return Finding("solve", "broken", f"{value}; it pulls by {_LIFT:g} mm", "install Lappet or build the daemon anew")
+        return Finding(
+            "solve", "broken", f"{value}; it pulls by {_LIFT:g} mm", "install Lappet or build the daemon anew"
+        )
     return Finding("solve", "ok", value)
