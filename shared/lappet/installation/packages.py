@@ -40,9 +40,9 @@ def check_packages(requirements: Iterable[str] | None = None) -> list[Finding]:
             return [Finding("packages", "ok", "a checkout that is not installed: its packages are not known")]
     needed: dict[str, list[str]] = {"": []}
     for each in requirements:
-        name, extra = _NAME.match(each), _EXTRA.search(each)
+        name, of_extra = _NAME.match(each), _EXTRA.search(each)
         if name is not None:
-            needed.setdefault(extra[1] if extra else "", []).append(name[0])
+            needed.setdefault(of_extra[1] if of_extra else "", []).append(name[0])
     findings = [_finding("packages", needed.pop(""), "what every command needs", "", "broken")]
     for extra, names in sorted(needed.items()):
         if extra not in _DEVELOPERS:
