@@ -41,6 +41,7 @@ CONTENTS = (
             "docs/problem*.md",
             "docs/reports.md",
             "docs/plates.md",
+            "docs/lessons.md",
             "docs/performance.md",
         ),
     ),

@@ -15,6 +15,7 @@ from lappet.commands.compare_command import compare
 from lappet.commands.completion_command import VARIABLE, add_powershell, completion
 from lappet.commands.demo_command import demo
 from lappet.commands.doctor_command import doctor
+from lappet.commands.export_command import export
 from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
@@ -59,6 +60,6 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-_COMMANDS = (solve, follow, demo, check, inspect, render, plate, compare, new, models, flap, report, keys)
-for _command in (*_COMMANDS, doctor, completion):
+_MAKING = (solve, follow, demo, check, inspect, render, plate, export, compare, new, models, flap, report)
+for _command in (*_MAKING, keys, doctor, completion):
     cli.add_command(_command)

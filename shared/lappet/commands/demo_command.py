@@ -68,4 +68,4 @@ def _plates(cache: Path, folder: Path) -> list[Path]:
         return []
     from lappet.plates.draw_plate import draw_plate
 
-    return draw_plate([cache], [folder / "z_plasty.plate.pdf", folder / "z_plasty.plate.svg"])
+    return list(draw_plate([cache], [folder / "z_plasty.plate.pdf", folder / "z_plasty.plate.svg"]).pictures)

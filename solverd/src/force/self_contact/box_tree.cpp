@@ -7,7 +7,10 @@
 namespace lappet {
 
 BoxTree::BoxTree(std::span<const Vec3> places, std::vector<std::array<Index, 3>> triangles)
-    : triangles_(std::move(triangles)), order_(triangles_.size()), boxes_(triangles_.size()) {
+    : triangles_(std::move(triangles)),
+      order_(triangles_.size()),
+      boxes_(triangles_.size()),
+      marked_(triangles_.size(), 1) {
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<Vec3> centers;
   for (const auto& [a, b, c] : triangles_) centers.push_back((places[a] + places[b] + places[c]) / 3.0);
@@ -40,10 +43,11 @@ Index BoxTree::build(Index first, Index last, std::span<const Vec3> centers) {
   return at;
 }
 
-void BoxTree::refit(std::span<const Vec3> places, std::span<const Vec3> ways) {
+void BoxTree::refit(std::span<const Vec3> places, std::span<const Vec3> ways, std::span<const std::uint8_t> marked) {
   for_each_index(order_.size(), [&](std::size_t k) {
     const auto& [a, b, c] = triangles_[order_[k]];
     MovingBox& box = boxes_[k];
+    marked_[k] = marked.empty() || marked[a] || marked[b] || marked[c];
     box.low = places[a].cwiseMin(places[b]).cwiseMin(places[c]);
     box.high = places[a].cwiseMax(places[b]).cwiseMax(places[c]);
     box.least_way = box.most_way = Vec3::Zero();
@@ -55,16 +59,21 @@ void BoxTree::refit(std::span<const Vec3> places, std::span<const Vec3> ways) {
     Node& node = nodes_[n];
     if (node.next < 0) {
       node.box = boxes_[node.first];
-      for (Index k = node.first + 1; k < node.last; ++k) node.box.grow(boxes_[k]);
+      node.marked = marked_[node.first];
+      for (Index k = node.first + 1; k < node.last; ++k) {
+        node.box.grow(boxes_[k]);
+        node.marked |= marked_[k] != 0;
+      }
     } else {
       node.box = nodes_[n + 1].box;
       node.box.grow(nodes_[node.next].box);
+      node.marked = nodes_[n + 1].marked || nodes_[node.next].marked;
     }
   }
 }
 
 std::size_t BoxTree::bytes() const {
-  return triangles_.size() * (sizeof(triangles_[0]) + sizeof(Index) + sizeof(MovingBox)) +
+  return triangles_.size() * (sizeof(triangles_[0]) + sizeof(Index) + sizeof(MovingBox) + 1) +
          nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Index);
 }
 

@@ -1,8 +1,9 @@
 // A hierarchy of boxes around triangles: built once by their places at rest, refitted to wherever they are. It finds
-// the pairs of triangles that come near each other on straight ways, at the same time: a pair is passed over where the
-// boxes are farther apart than the difference of their ways, so tissue that is carried as a whole costs nothing.
+// the pairs of triangles that come near each other on straight ways, at the same time: what goes away from another, or
+// along with it, is passed over.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,12 +23,15 @@ struct MovingBox {
     least_way = least_way.cwiseMin(other.least_way);
     most_way = most_way.cwiseMax(other.most_way);
   }
-  // Whether something in the one may come nearer than `distance` to something in the other.
+  // Whether something in the one may come nearer than `distance` to something in the other: along no axis are they
+  // farther apart than that both where they are and where they go.
   bool may_meet(const MovingBox& other, double distance) const {
-    const Vec3 apart = (low - other.high).cwiseMax(other.low - high).cwiseMax(0.0);
-    const Vec3 drift = (most_way - other.least_way).cwiseMax(other.most_way - least_way);
-    const double within = distance + drift.norm();
-    return apart.squaredNorm() <= within * within;
+    for (int i = 0; i < 3; ++i) {
+      const double above = low[i] - other.high[i], below = other.low[i] - high[i];
+      if (above > distance && above + least_way[i] - other.most_way[i] > distance) return false;
+      if (below > distance && below + other.least_way[i] - most_way[i] > distance) return false;
+    }
+    return true;
   }
 };
 
@@ -37,11 +41,12 @@ class BoxTree {
   // places: of the vertices.
   BoxTree(std::span<const Vec3> places, std::vector<std::array<Index, 3>> triangles);
 
-  // ways: of the vertices; empty: they stay.
-  void refit(std::span<const Vec3> places, std::span<const Vec3> ways);
+  // ways: of the vertices; empty: they stay. marked: vertices, of which pairs are looked for; empty: all of them.
+  void refit(std::span<const Vec3> places, std::span<const Vec3> ways, std::span<const std::uint8_t> marked = {});
 
-  // Calls body(chunk, triangle, other) for every pair of different triangles that may come nearer than `distance`, each
-  // once; chunks run at the same time. What belongs to a chunk, and its order, is always the same.
+  // Calls body(chunk, triangle, other) for every pair of different triangles, one of them with a marked vertex, that
+  // may come nearer than `distance`, each once; chunks run at the same time. What belongs to a chunk, and its order, is
+  // always the same.
   template <class Body>
   void for_each_pair(double distance, const Body& body) const {
     for_each_chunk(
@@ -53,14 +58,6 @@ class BoxTree {
         kLeavesPerChunk);
   }
   std::size_t chunks() const { return (leaves_.size() + kLeavesPerChunk - 1) / kLeavesPerChunk; }
-  // Calls body(triangle) for those that may come nearer than `distance` to a box.
-  template <class Body>
-  void for_each_near(const MovingBox& box, double distance, const Body& body) const {
-    visit(box, distance, 0, [&](const Node& leaf) {
-      for (Index k = leaf.first; k < leaf.last; ++k)
-        if (boxes_[k].may_meet(box, distance)) body(order_[k]);
-    });
-  }
   std::size_t bytes() const;
 
  private:
@@ -72,20 +69,20 @@ class BoxTree {
   struct Node {
     MovingBox box;
     Index first = 0, last = 0, next = -1;
+    bool marked = true;  // one of them is
   };
 
   Index build(Index first, Index last, std::span<const Vec3> centers);
-  // Calls body(leaf) for the leaves that may come near a box and whose triangles come at `from` or later.
+  // Calls body(leaf) for the leaves that may come near another one and whose triangles come there or later.
   template <class Body>
-  void visit(const MovingBox& box, double distance, Index from, const Body& body) const {
-    if (nodes_.empty()) return;
+  void visit(const Node& own, double distance, const Body& body) const {
     std::array<Index, 64> stack;
     std::size_t height = 0;
     stack[height++] = 0;
     while (height > 0) {
       const Index at = stack[--height];
       const Node& node = nodes_[at];
-      if (node.last <= from || !node.box.may_meet(box, distance)) continue;
+      if (node.last <= own.first || !(own.marked || node.marked) || !node.box.may_meet(own.box, distance)) continue;
       if (node.next < 0) {
         body(node);
       } else {
@@ -97,16 +94,17 @@ class BoxTree {
   template <class Body>
   void visit_pairs(Index leaf, double distance, const Body& body) const {
     const Node& own = nodes_[leaves_[leaf]];
-    visit(own.box, distance, own.first, [&](const Node& other) {
+    visit(own, distance, [&](const Node& other) {
       for (Index i = own.first; i < own.last; ++i)
         for (Index k = std::max(other.first, i + 1); k < other.last; ++k)
-          if (boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
+          if ((marked_[i] || marked_[k]) && boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
     });
   }
 
   std::vector<std::array<Index, 3>> triangles_;
   std::vector<Index> order_;      // the triangles, neighbors near each other
   std::vector<MovingBox> boxes_;  // of each, in that order
+  std::vector<std::uint8_t> marked_;
   std::vector<Node> nodes_;
   std::vector<Index> leaves_;  // their nodes
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "force/self_contact/distances.h"
+#include "force/self_contact/separation.h"
 
 namespace lappet {
 
@@ -11,19 +12,31 @@ namespace {
 
 constexpr double kLiesOn = 1e-6;  // mm: nearer, the barrier is beyond what positions in single precision can balance
 
-// The largest difference between one of the first `count` ways and one of the others.
-double drift(const std::array<Vec3, 4>& ways, int count) {
-  double most = 0.0;
-  for (int i = 0; i < count; ++i)
-    for (int k = count; k < 4; ++k) most = std::max(most, (ways[i] - ways[k]).squaredNorm());
-  return std::sqrt(most);
+constexpr float kUnit = 1.0F - 1e-6F;  // no unit vector in single precision times this is longer than one
+
+// Whether two primitives stay farther apart than a distance along an axis.
+template <int kFirst>
+bool stays_beyond(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& way, double distance) {
+  const auto box = [&](int begin, int end) {
+    MovingBox result{from[begin], from[begin], way[begin], way[begin]};
+    for (int i = begin + 1; i < end; ++i) result.grow({from[i], from[i], way[i], way[i]});
+    return result;
+  };
+  return !box(0, kFirst).may_meet(box(kFirst, 4), distance);
+}
+
+// Sorts what is sorted already up to `begin`.
+template <class Pair, class Key>
+void sort_from(std::vector<Pair>& pairs, std::ptrdiff_t begin, const Key& key) {
+  std::ranges::sort(pairs.begin() + begin, pairs.end(), {}, key);
+  std::ranges::inplace_merge(pairs, pairs.begin() + begin, {}, key);
 }
 
 }  // namespace
 
-std::vector<Piercing> ContactCandidates::piercings(std::span<const Vec3> places) {
+const std::vector<Piercing>& ContactCandidates::piercings(const std::vector<Vec3>& places) {
+  if (places == looked_at_) return piercings_;
   surface_.refit(places, {});
-  from_.clear();
   const BoxTree& tree = surface_.tree();
   std::vector<std::vector<Piercing>> found(tree.chunks());
   const auto look = [&](Index edge, Index face, std::vector<Piercing>& to) {
@@ -38,16 +51,17 @@ std::vector<Piercing> ContactCandidates::piercings(std::span<const Vec3> places)
       if (surface_.owns_edge(other, k)) look(surface_.edges_of(other)[k], t, found[chunk]);
     }
   });
-  std::vector<Piercing> result;
-  for (const auto& of_chunk : found) result.insert(result.end(), of_chunk.begin(), of_chunk.end());
-  std::ranges::sort(result);
-  return result;
+  looked_at_ = places;
+  piercings_.clear();
+  for (const auto& of_chunk : found) piercings_.insert(piercings_.end(), of_chunk.begin(), of_chunk.end());
+  std::ranges::sort(piercings_);
+  return piercings_;
 }
 
 std::size_t ContactCandidates::leave_out(std::span<const Piercing> piercings, const std::vector<Vec3>& places) {
+  if (left_out() > 0 || !piercings.empty()) from_.clear();
   faces_left_out_.clear();
   edges_left_out_.clear();
-  from_.clear();
   for (const Piercing& piercing : piercings)
     for (const Index t : surface_.triangles_at(piercing.edge)) {
       if (t < 0) continue;
@@ -59,15 +73,18 @@ std::size_t ContactCandidates::leave_out(std::span<const Piercing> piercings, co
     }
   cover(places);
   std::size_t found = 0;
-  for (const auto& [vertex, face, reach] : vertex_faces_) {
-    const auto [p, a, b, c] = at(places, surface_.corners_of(vertex, face));
-    if (closest_on_triangle(p, a, b, c).squared_distance > kLiesOn * kLiesOn) continue;
+  for (const auto& [vertex, face, reach, direction] : vertex_faces_) {
+    const std::array<Vec3, 4> corners = at(places, surface_.corners_of(vertex, face));
+    if (apart_along<1>(corners, direction.cast<double>()) > kLiesOn) continue;
+    if (closest_on_triangle(corners[0], corners[1], corners[2], corners[3]).squared_distance > kLiesOn * kLiesOn)
+      continue;
     faces_left_out_.insert(key(vertex, face));
     ++found;
   }
   for (const EdgePair& pair : edges_) {
-    const auto [a, b, c, d] = at(places, surface_.ends_of(pair.first, pair.second));
-    if (closest_on_segments(a, b, c, d).squared_distance > kLiesOn * kLiesOn) continue;
+    const std::array<Vec3, 4> ends = at(places, surface_.ends_of(pair.first, pair.second));
+    if (apart_along<2>(ends, pair.direction.cast<double>()) > kLiesOn) continue;
+    if (closest_on_segments(ends[0], ends[1], ends[2], ends[3]).squared_distance > kLiesOn * kLiesOn) continue;
     edges_left_out_.insert(key(pair.first, pair.second));
     ++found;
   }
@@ -79,10 +96,22 @@ void ContactCandidates::cover(const std::vector<Vec3>& places) { cover(places, {
 
 void ContactCandidates::cover(const std::vector<Vec3>& places, const std::vector<Vec3>& ways) {
   if (holds_at(places, {}) && (ways.empty() || holds_at(places, ways))) return;
-  from_ = places;
-  ways_ = ways;
-  if (ways_.empty()) ways_.assign(places.size(), Vec3::Zero());
+  take_over(places, ways);
   search();
+}
+
+void ContactCandidates::take_over(const std::vector<Vec3>& places, const std::vector<Vec3>& ways) {
+  const bool all = from_.empty();
+  from_.resize(places.size());
+  ways_.resize(places.size());
+  marked_.assign(places.size(), 1);
+  for_each_index(places.size(), [&](std::size_t v) {
+    const Vec3 way = ways.empty() ? Vec3(Vec3::Zero()) : ways[v];
+    const Vec3 off = places[v] - from_[v];
+    marked_[v] = all || !(std::max(off.squaredNorm(), (off + way).squaredNorm()) <= slack_ * slack_);
+    if (marked_[v]) from_[v] = places[v];
+    ways_[v] = marked_[v] ? way : Vec3(Vec3::Zero());
+  });
 }
 
 // At the end of the ways, if any. The way from a place where they hold to another one is covered as well: the share of
@@ -107,7 +136,7 @@ bool ContactCandidates::holds_at(std::span<const Vec3> places, std::span<const V
 
 void ContactCandidates::search() {
   ++searches_;
-  surface_.refit(from_, ways_);
+  surface_.refit(from_, ways_, marked_);
   const BoxTree& tree = surface_.tree();
   std::vector<Found> found(tree.chunks());
   tree.for_each_pair(surface_.reach() + 2.0 * slack_, [&](std::size_t chunk, Index t, Index other) {
@@ -115,14 +144,17 @@ void ContactCandidates::search() {
     add_vertices(other, t, found[chunk]);
     add_edges(t, other, found[chunk]);
   });
-  vertex_faces_.clear();
-  edges_.clear();
+  std::erase_if(vertex_faces_,
+                [this](const VertexFacePair& pair) { return is_marked(surface_.corners_of(pair.vertex, pair.face)); });
+  std::erase_if(edges_, [this](const EdgePair& pair) { return is_marked(surface_.ends_of(pair.first, pair.second)); });
+  const auto known_faces = static_cast<std::ptrdiff_t>(vertex_faces_.size());
+  const auto known_edges = static_cast<std::ptrdiff_t>(edges_.size());
   for (const Found& of_chunk : found) {
     vertex_faces_.insert(vertex_faces_.end(), of_chunk.vertex_faces.begin(), of_chunk.vertex_faces.end());
     edges_.insert(edges_.end(), of_chunk.edges.begin(), of_chunk.edges.end());
   }
-  std::ranges::sort(vertex_faces_);
-  std::ranges::sort(edges_, {}, [](const EdgePair& pair) { return std::pair(pair.first, pair.second); });
+  sort_from(vertex_faces_, known_faces, [](const VertexFacePair& pair) { return std::pair(pair.vertex, pair.face); });
+  sort_from(edges_, known_edges, [](const EdgePair& pair) { return std::pair(pair.first, pair.second); });
 }
 
 // The vertices that a triangle owns, with a face.
@@ -130,14 +162,24 @@ void ContactCandidates::add_vertices(Index of, Index face, Found& to) const {
   for (int k = 0; k < 3; ++k) {
     if (!surface_.owns_vertex(of, k)) continue;
     const Index v = surface_.triangles()[of][k];
+    const auto& [p, q, r] = surface_.triangles()[face];
+    if (v == p || v == q || v == r) continue;
     const auto corners = surface_.corners_of(v, face);
-    const double more = 2.0 * slack_ + drift(at(ways_, corners), 1);
-    const auto [p, a, b, c] = at(from_, corners);
-    const double apart = std::sqrt(closest_on_triangle(p, a, b, c).squared_distance);
-    if (apart > surface_.reach() + more) continue;
+    if (!is_marked(corners)) continue;
+    const std::array<Vec3, 4> from = at(from_, corners), way = at(ways_, corners);
+    if (stays_beyond<1>(from, way, surface_.reach() + 2.0 * slack_)) continue;
+    const auto [of_a, of_b, of_c] = closest_on_triangle(from[0], from[1], from[2], from[3]).weights;
+    const Vec3 between = from[0] - of_a * from[1] - of_b * from[2] - of_c * from[3];
+    const double apart = between.norm();
+    const Vec3 direction = apart > 0.0 ? Vec3(between / apart) : Vec3(Vec3::Zero());
+    const auto comes_within = [&](double distance) {
+      return apart <= distance || share_apart_along<1>(from, way, direction, distance, 1.0) < 1.0;
+    };
+    if (!comes_within(surface_.reach() + 2.0 * slack_)) continue;
     const double reach = surface_.reach_to(v, face);
-    if (!(reach > 0.0) || apart > reach + more) continue;
-    if (faces_left_out_.empty() || !faces_left_out_.contains(key(v, face))) to.vertex_faces.push_back({v, face, reach});
+    if (!(reach > 0.0) || !comes_within(reach + 2.0 * slack_)) continue;
+    if (faces_left_out_.empty() || !faces_left_out_.contains(key(v, face)))
+      to.vertex_faces.push_back({v, face, reach, kUnit * direction.cast<float>()});
   }
 }
 
@@ -149,21 +191,29 @@ void ContactCandidates::add_edges(Index triangle, Index other, Found& to) const 
       if (!surface_.owns_edge(other, k)) continue;
       const Index e = surface_.edges_of(triangle)[i], f = surface_.edges_of(other)[k];
       const auto ends = surface_.ends_of(e, f);
-      const double more = 2.0 * slack_ + drift(at(ways_, ends), 2);
-      const auto [a, b, c, d] = at(from_, ends);
-      const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
-      if (apart > kEdgeShare * surface_.reach() + more) continue;
+      if (!is_marked(ends)) continue;
+      if (ends[0] == ends[2] || ends[0] == ends[3] || ends[1] == ends[2] || ends[1] == ends[3]) continue;
+      const std::array<Vec3, 4> from = at(from_, ends), way = at(ways_, ends);
+      if (stays_beyond<2>(from, way, kEdgeShare * surface_.reach() + 2.0 * slack_)) continue;
+      const auto [first, second, squared] = closest_on_segments(from[0], from[1], from[2], from[3]);
+      const Vec3 between = from[0] - from[2] + first * (from[1] - from[0]) - second * (from[3] - from[2]);
+      const double apart = between.norm();
+      const Vec3 direction = apart > 0.0 ? Vec3(between / apart) : Vec3(Vec3::Zero());
+      const auto comes_within = [&](double distance) {
+        return apart <= distance || share_apart_along<2>(from, way, direction, distance, 1.0) < 1.0;
+      };
+      if (!comes_within(kEdgeShare * surface_.reach() + 2.0 * slack_)) continue;
       const double reach = surface_.reach_of(e, f);
-      if (reach > 0.0 && apart <= reach + more &&
+      if (reach > 0.0 && comes_within(reach + 2.0 * slack_) &&
           (edges_left_out_.empty() || !edges_left_out_.contains(key(std::min(e, f), std::max(e, f)))))
-        to.edges.push_back({std::min(e, f), std::max(e, f), reach});
+        to.edges.push_back({std::min(e, f), std::max(e, f), reach, (e < f ? kUnit : -kUnit) * direction.cast<float>()});
     }
   }
 }
 
 std::size_t ContactCandidates::bytes() const {
-  return (from_.size() + ways_.size()) * sizeof(Vec3) + vertex_faces_.size() * sizeof(VertexFacePair) +
-         edges_.size() * sizeof(EdgePair);
+  return (from_.size() + ways_.size() + looked_at_.size()) * sizeof(Vec3) +
+         vertex_faces_.size() * sizeof(VertexFacePair) + marked_.size() + edges_.size() * sizeof(EdgePair);
 }
 
 }  // namespace lappet

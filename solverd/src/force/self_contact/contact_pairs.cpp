@@ -5,6 +5,7 @@
 
 #include "force/self_contact/barrier.h"
 #include "force/self_contact/distances.h"
+#include "force/self_contact/separation.h"
 
 namespace lappet {
 
@@ -14,7 +15,14 @@ using Kind = TriangleFeature::Kind;
 
 // Of the barrier of edges, in those of vertices and faces: a ridge bears at one pair what a face does at many.
 constexpr double kEdgeStiffness = 1.0;
+constexpr double kBeyond = 1.0 + 1e-9;
 constexpr std::size_t kPairsPerChunk = 256;
+
+// Whether the direction in which a candidate was found tells that it is out of its reach, by more than rounding.
+template <int kFirst, class Pair>
+bool is_out_of_reach(const std::array<Vec3, 4>& at, const Pair& pair) {
+  return apart_along<kFirst>(at, pair.direction.template cast<double>()) > kBeyond * pair.reach;
+}
 
 // A barrier of weight `area`, of the vector between the closest points.
 void press(TouchingPair& pair, const Vec3& between, double area, const BarrierValue& value) {
@@ -44,8 +52,9 @@ class NearVertex {
     vertex_ = faces.front().vertex;
     near_.clear();
     for (const VertexFacePair& pair : faces) {
-      const auto& [p, q, r] = surface_.triangles()[pair.face];
-      const ClosestOnTriangle closest = closest_on_triangle(places_[vertex_], places_[p], places_[q], places_[r]);
+      const std::array<Vec3, 4> corners = at(places_, surface_.corners_of(vertex_, pair.face));
+      if (is_out_of_reach<1>(corners, pair)) continue;
+      const ClosestOnTriangle closest = closest_on_triangle(corners[0], corners[1], corners[2], corners[3]);
       if (!(closest.squared_distance < pair.reach * pair.reach)) continue;
       near_.push_back(&pair);
       count(pair, closest);
@@ -165,7 +174,9 @@ void add_edges(const ContactSurface& surface, const EdgePair& edges, std::span<c
                std::vector<TouchingPair>& to) {
   TouchingPair pair;
   pair.vertices = surface.ends_of(edges.first, edges.second);
-  const auto [a, b, c, d] = at(places, pair.vertices);
+  const std::array<Vec3, 4> ends = at(places, pair.vertices);
+  if (is_out_of_reach<2>(ends, edges)) return;
+  const auto& [a, b, c, d] = ends;
   const ClosestOnSegments closest = closest_on_segments(a, b, c, d);
   if (!(closest.squared_distance < edges.reach * edges.reach)) return;
   pair.weights = {1.0 - closest.first, closest.first, closest.second - 1.0, -closest.second};

@@ -76,7 +76,9 @@ class ContactSurface {
 
   // The tree over its triangles, at rest until it is refitted.
   const BoxTree& tree() const { return tree_; }
-  void refit(std::span<const Vec3> places, std::span<const Vec3> ways) { tree_.refit(places, ways); }
+  void refit(std::span<const Vec3> places, std::span<const Vec3> ways, std::span<const std::uint8_t> marked = {}) {
+    tree_.refit(places, ways, marked);
+  }
   // Where the vertices are, and what a field of displacements moves them by.
   template <class Real>
   void positions(std::span<const Real> u, std::vector<Vec3>& result) const;

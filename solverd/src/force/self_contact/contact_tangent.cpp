@@ -65,20 +65,38 @@ SlideAndTilt slide_and_tilt(const TouchingPair& pair, const Way& way) {
   return {row(own + root, own + root), row(own - root, own - root)};
 }
 
+// Across the normal and the ways the closest points stay where they are while the pair turns about them, and the
+// distance bends by 1/d. What presses apart gives way so, which is left out; what is taken off at an edge that faces
+// share (contact_pairs.h) is stiff: without these rows a vertex in a groove has a fraction of its stiffness along it.
+std::vector<TangentRow> turning_rows(const TouchingPair& pair) {
+  std::vector<Vec3> known{pair.normal};
+  for (const Way& way : ways_of(pair)) known.push_back(way.direction);
+  const double root = std::sqrt(std::abs(pair.slope) / pair.distance);
+  std::vector<TangentRow> rows;
+  while (known.size() < 3) {
+    const Vec3 across = known.size() == 2 ? Vec3(known[0].cross(known[1]).normalized()) : known[0].unitOrthogonal();
+    rows.push_back(row_of(pair.weights, root * across));
+    known.push_back(across);
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::vector<TangentRow> definite_rows(const TouchingPair& pair) {
   std::vector<TangentRow> rows{row_of(pair.weights, std::sqrt(std::max(pair.stiffness, 0.0)) * pair.normal)};
-  if (pair.slope != 0.0)
-    for (const Way& way : ways_of(pair)) rows.push_back(slide_and_tilt(pair, way).positive);
+  if (pair.slope == 0.0) return rows;
+  for (const Way& way : ways_of(pair)) rows.push_back(slide_and_tilt(pair, way).positive);
+  if (pair.slope > 0.0)
+    for (const TangentRow& row : turning_rows(pair)) rows.push_back(row);
   return rows;
 }
 
 std::vector<TangentRow> negative_rows(const TouchingPair& pair) {
   std::vector<TangentRow> rows;
   if (pair.stiffness < 0.0) rows.push_back(row_of(pair.weights, std::sqrt(-pair.stiffness) * pair.normal));
-  if (pair.slope != 0.0)
-    for (const Way& way : ways_of(pair)) rows.push_back(slide_and_tilt(pair, way).negative);
+  if (pair.slope == 0.0) return rows;
+  for (const Way& way : ways_of(pair)) rows.push_back(slide_and_tilt(pair, way).negative);
   return rows;
 }
 

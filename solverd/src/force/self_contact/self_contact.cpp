@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "force/self_contact/continuous_collision.h"
+#include "force/self_contact/separation.h"
 
 namespace lappet {
 
@@ -22,6 +23,15 @@ constexpr double kStiffness = 1.0;
 double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
 
 constexpr std::size_t kPairsPerChunk = 128;
+
+// Whether the direction in which a candidate was found tells that it stays out of its reach on such a share of the way.
+template <int kFirst, class Pair>
+bool stays_out_of_reach(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& way, double share,
+                        const Pair& pair) {
+  const Vec3 direction = pair.direction.template cast<double>();
+  return apart_along<kFirst>(from, direction) >= pair.reach &&
+         share_apart_along<kFirst>(from, way, direction, pair.reach, share) >= share;
+}
 
 // The least of the shares that body(k, most) finds for each pair, given what is left of the step so far.
 template <class Body>
@@ -53,7 +63,7 @@ std::size_t SelfContact::count_piercings(std::span<const Real> u) {
 template <class Real>
 std::size_t SelfContact::begin(std::span<const Real> u) {
   surface_.positions(u, places_);
-  const std::vector<Piercing> piercings = candidates_.piercings(places_);
+  const std::vector<Piercing>& piercings = candidates_.piercings(places_);
   return piercings.size() + candidates_.leave_out(piercings, places_);
 }
 
@@ -155,12 +165,16 @@ double SelfContact::largest_step(std::span<const Real> u, std::span<const Real> 
   const auto& faces = candidates_.vertex_faces();
   const double share = least_share(faces.size(), 1.0, [&](std::size_t k, double so_far) {
     const auto corners = surface_.corners_of(faces[k].vertex, faces[k].face);
-    return point_triangle_way(at(places_, corners), at(ways_, corners), so_far);
+    const std::array<Vec3, 4> from = at(places_, corners), way = at(ways_, corners);
+    if (stays_out_of_reach<1>(from, way, so_far, faces[k])) return so_far;
+    return point_triangle_way(from, way, so_far, faces[k].reach);
   });
   const auto& edges = candidates_.edges();
   return most * least_share(edges.size(), share, [&](std::size_t k, double so_far) {
            const auto ends = surface_.ends_of(edges[k].first, edges[k].second);
-           return segments_way(at(places_, ends), at(ways_, ends), so_far);
+           const std::array<Vec3, 4> from = at(places_, ends), way = at(ways_, ends);
+           if (stays_out_of_reach<2>(from, way, so_far, edges[k])) return so_far;
+           return segments_way(from, way, so_far, edges[k].reach);
          });
 }
 
