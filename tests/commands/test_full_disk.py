@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
+from lappet.commands.cli import cli
 from lappet.usd.stage import write_procedure
 from small_procedure import small_procedure
 
@@ -61,6 +62,7 @@ CASES = {
 def test_a_full_disk_is_a_sentence_and_leaves_no_file_that_is_cut_short(case: str, disk: Path, tmp_path: Path) -> None:
     size, line, name = CASES[case]
     arguments = [each.format(up=tmp_path, disk=disk) for each in line.split()]
+    assert arguments[0] in cli.commands
     seen = tmp_path / "seen"
     small = ["unshare", "--map-root-user", "--mount", "sh", "-c", SMALL, disk, size, seen]
     done = subprocess.run(
