@@ -96,6 +96,8 @@ class ProblemCode(StrEnum):
     FIGURE_NOT_SET = auto()
     PICTURE_NAME = auto()
     PICTURE_NO_CAMERA = auto()
+    PICTURE_BESIDE_NOTHING = auto()
+    PICTURE_NOT_SOLVED = auto()
     USD_NOT_IN_BLENDER = auto()
     FRAMES_NOT_SOLVED = auto()
     CACHE_NO_FRAME = auto()
