@@ -73,8 +73,6 @@ def test_a_template_becomes_a_plate_of_the_procedure_and_is_drawn_from_its_cache
 @pytest.mark.parametrize(
     ("command", "target", "package"), [("plate", "x.svg", "shapely"), ("film", "x.mp4", "drawsvg")]
 )
-    ("command", "target", "package"), [("plate", "x.svg", "shapely"), ("film", "x.mp4", "drawsvg")]
-)
 def test_without_its_extra_a_command_says_how_to_get_it(
     cache_file: Path, tmp_path: Path, command: str, target: str, package: str
 ) -> None:
