@@ -320,7 +320,7 @@ TEST(SelfContact, PairsAreLookedForAgainOnlyOnceTheSurfaceHasMovedByMoreThanTheS
   TwoBoxes boxes(0.5);
   boxes.evaluate();
   const auto searches = boxes.contact().candidates().searches();
-  boxes.move(Vec3(0, 0, -0.05));
+  boxes.move(Vec3(0, 0, -0.04));
   boxes.evaluate();
   EXPECT_EQ(boxes.contact().candidates().searches(), searches);
   boxes.move(Vec3(0, 0, -0.2));
