@@ -27,6 +27,7 @@ from urllib.parse import unquote
 
 import carried_libraries
 import sbom
+import viewer
 from locked import locked
 from pypi_wheels import CACHE, ROOT, download
 
@@ -43,7 +44,7 @@ def built(root: Path = ROOT, cache: Path = CACHE) -> Path:
     Raises CalledProcessError where it does not build; pip has printed why.
     """
     with _alone(cache):
-        sources = sorted(_sources(root))
+        sources = [*sorted(_sources(root)), *([viewer.bundle()] if root == ROOT else [])]
         kept = cache / "wheels" / f"built-{_digest([root, *sources])}"
         if found := sorted(kept.glob("lappet-*.whl")):
             return found[0]

@@ -23,6 +23,7 @@ check "clang-format" clang_format
 check "import directions" "$python" packaging/check_imports.py
 check "docstrings" "$python" packaging/check_docstrings.py
 check "lengths of functions" "$python" packaging/check_lengths.py
+check "types of the viewer" "$python" packaging/viewer.py --check
 check "documents" "$python" packaging/documents.py --check
 check "known vulnerabilities" "$python" packaging/vulnerabilities.py
 check "Debian packages" "$python" packaging/system_versions.py   # tells differences, refuses none

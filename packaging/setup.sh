@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes a checkout ready on Debian 12: system packages, a Python environment in .venv, the daemon in build/solverd.
+# Makes a checkout ready on Debian 12: system packages, a Python environment in .venv, the daemon in build/solverd,
+# the program of lessons in build/viewer.
 # Does only what is missing, so running it again is quick. Never asks a question.
 #
 #   bash packaging/setup.sh                everything
@@ -141,7 +142,16 @@ build_daemon() {
         refuse "the daemon did not compile; see the compiler's message above."
 }
 
-# ---- 4. the package of the body models -----------------------------------------------------------------------------
+# ---- 4. the program of lessons --------------------------------------------------------------------------------------
+
+build_viewer() {
+    local needed=()
+    [ "$with_models" = yes ] && needed=(--tests)
+    "$venv/bin/python" packaging/viewer.py "${needed[@]}" ||
+        refuse "the program of lessons could not be built; see the message above."
+}
+
+# ---- 5. the package of the body models -----------------------------------------------------------------------------
 
 fetch_models() {
     [ "$with_models" = yes ] || return 0
@@ -152,5 +162,6 @@ fetch_models() {
 install_system_packages
 install_python
 build_daemon
+build_viewer
 fetch_models
 say "ready: .venv/bin/lappet and build/solverd/lappet-solverd"

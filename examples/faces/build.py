@@ -66,7 +66,7 @@ OPERATIONS = {
         {"width": 7.0, "height": 1.1, "limb": 0.85, "burow": 0.0},
     ),
     "limb_keystone": Operation(
-        "limb", "keystone", (-124.0, 95.0, -130.0), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
+        "limb", "keystone", (-132.1, 122.8, -130.5), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
     ),
     "web_z_plasty": Operation("web-space", "z-plasty", (-447.0, 259.5, 167.0), (-1.0, 0.1, 0.1), {"limb": 8.0}),
     "neck_z_plasty": Operation(

@@ -41,6 +41,8 @@ CONTENTS = (
             "docs/problem*.md",
             "docs/reports.md",
             "docs/plates.md",
+            "docs/lessons.md",
+            "docs/export.md",
             "docs/performance.md",
         ),
     ),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lappet.drawing.tube_shape import tube_faces, tube_points
 from lappet_blender.display.sphere_shape import spheres
-from lappet_blender.look.tube_shape import tube_faces, tube_points
 
 HELIX = np.stack([np.cos(t := np.linspace(0.0, 12.0, 200)), np.sin(t), 0.3 * t], axis=-1)
 

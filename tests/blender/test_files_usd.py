@@ -302,3 +302,20 @@ def test_what_there_are_no_tools_for_is_kept_and_exported_again(scene: bpy.types
     damaged = read_scene(bpy.context.scene).procedure
     assert damaged is not None
     assert len(damaged.events) == 1
+
+
+def test_plates_go_through_a_scene_unchanged(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    from lappet.procedure import Plate, PlateAnnotation, PlatePanel, Procedure
+    from lappet.tissue.patch import flat_patch
+    from lappet.usd.stage import read_procedure, write_procedure
+
+    notes = (PlateAnnotation("tip", "label", ((1.0, 2.0, TOP),), "Spitze", offset=(3.0, -2.0)),)
+    plates = (Plate("mine", "ink", panels=(PlatePanel("before", "plan", caption="Défaut"),), annotations=notes),)
+    write_procedure(Procedure(flat_patch((12.0, 8.0, TOP), 2.0), plates=plates), tmp_path / "plates.usda")
+    ops.import_procedure(filepath=str(tmp_path / "plates.usda"))
+    ops.export_procedure(filepath=str(tmp_path / "again.usda"))
+    assert read_procedure(tmp_path / "again.usda").plates == plates
+    scene.lappet.plates = "damaged"
+    damaged = read_scene(bpy.context.scene).procedure
+    assert damaged is not None
+    assert damaged.plates == ()

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 import lappet_blender
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
+from lappet_blender.events import registration as timeline_registration
 from lappet_blender.events.run_preview import stitches_of
 from lappet_blender.tools import registration, toolbar
 from lappet_blender.tools import shown_surface as shown
@@ -231,6 +232,31 @@ def test_the_tools_come_and_go_with_the_add_on_and_leave_nothing_behind(scene: b
             assert len(bpy.app.handlers.load_pre) == handlers
             assert not hasattr(bpy.types, "VIEW3D_MT_lappet")
     finally:
+        lappet_blender.register()
+
+
+def test_every_text_is_given_when_a_tool_is_put_down_since_blender_crashes_on_one_that_is_left_out() -> None:
+    parameters = bpy.types.WorkSpaceTool.bl_rna.functions["setup"].parameters
+    texts = {each.identifier for each in parameters if each.type == "STRING"}
+    assert texts == {"idname", "keymap", *toolbar.TEXTS_OF_SETUP}
+
+
+def test_a_part_that_cannot_be_taken_away_does_not_keep_the_others(
+    scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> None:
+        raise RuntimeError("the timeline is busy")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(timeline_registration, "unregister", fail)
+        with pytest.raises(RuntimeError, match="busy"):
+            lappet_blender.unregister()
+    try:
+        assert not hasattr(bpy.types, "LAPPET_OT_draw_incision")
+        assert not hasattr(bpy.types, "LAPPET_OT_incision_add")
+        assert not hasattr(bpy.types.Scene, "lappet")
+    finally:
+        timeline_registration.unregister()
         lappet_blender.register()
 
 

@@ -205,3 +205,23 @@ def test_what_was_drawn_on_may_be_deleted_under_the_hand(context: Any) -> None:
     assert tool.modal(context, event("MOUSEMOVE", "NOTHING")) == {"CANCELLED"}
     assert [each.code for each in last_refusal()] == [ProblemCode.TOOL_GROUND_GONE]
     assert "Incision" in context.said["report"]
+
+
+def test_tools_that_run_are_ended_before_their_classes_go(context: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    tool = Tool(context)
+    abandoned: list[object] = []
+    monkeypatch.setattr(tool, "abandoned", abandoned.append)
+    click(tool, context, (-80, 0))
+    assert preview_of(context.scene) is not None
+    skin_modal.running.append(tool)
+    skin_modal.end_running()
+    assert len(abandoned) == 1
+    assert preview_of(context.scene) is None
+    assert not skin_modal.running
+
+
+def test_a_tool_that_has_ended_is_not_ended_again(context: Any) -> None:
+    tool = Tool(context)
+    skin_modal.running.append(tool)
+    assert tool.modal(context, event("ESC")) == {"CANCELLED"}
+    assert not skin_modal.running

@@ -80,8 +80,8 @@ def test_the_skin_cache_has_the_pieces_of_each_epoch_as_curves(solved: tuple[Sol
     result, cache = solved
     stage = pxr().Usd.Stage.Open(str(cache))
     whole, cut = (stage.GetPrimAtPath(f"/Procedure/Skin/Vessels/epoch_{k:02d}") for k in (0, 1))
-    assert list(whole.GetAttribute("primvars:label").Get()) == ["angular artery", "line"]
-    assert list(cut.GetAttribute("primvars:kind").Get()) == ["artery", "artery", "vein"]
+    assert list(whole.GetAttribute("lappet:label").Get()) == ["angular artery", "line"]
+    assert list(cut.GetAttribute("lappet:kind").Get()) == ["artery", "artery", "vein"]
     assert list(cut.GetAttribute("primvars:endDivided").Get()) == [1, 0, 0]
     assert np.allclose(cut.GetAttribute("widths").Get(), [1.6, 1.6, 0.8])
     points = np.array(cut.GetAttribute("points").Get(4.0))

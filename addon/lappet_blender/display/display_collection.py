@@ -2,6 +2,10 @@
 
 It never holds what cannot be made again. Objects are found by their role and materials by pointers on the collection,
 so that renaming is harmless and an undo, a deletion or a copied scene costs no more than making them anew.
+
+Frames arrive when they like, so all of it is made outside of undo steps. Blender takes what two steps have in common as
+it is in memory, with its pointers to what was made in between and is freed: it crashes on a collection with such an
+object. So the display is taken away before an undo, and made again after it.
 """
 
 from __future__ import annotations
@@ -12,6 +16,9 @@ OWNER = "lappet_scene"
 ROLE = "lappet_role"
 STAGE_OWNER = "lappet_stage"
 NAME = "Lappet display"
+# What was set on the collections that were taken away, by scene: values, and the names of the user's own materials.
+_taken: dict[int, dict[str, float | str]] = {}
+_worn: dict[int, dict[str, str]] = {}
 
 
 def find_collection(scene: bpy.types.Scene) -> bpy.types.Collection | None:
@@ -34,8 +41,28 @@ def make_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
         drop_foreign(scene)
         collection = bpy.data.collections.new(NAME)
         collection[OWNER] = scene
+        for key, value in _taken.pop(scene.session_uid, {}).items():
+            collection[key] = value
+        for key, name in _worn.pop(scene.session_uid, {}).items():
+            if name in bpy.data.materials:
+                collection[key] = bpy.data.materials[name]
         scene.collection.children.link(collection)
     return collection
+
+
+def take_away(scene: bpy.types.Scene) -> None:
+    """Delete the display of a scene before an undo or redo; one that is edited stays, for that undoes the edit."""
+    collection = find_collection(scene)
+    if collection is None or any(each.mode != "OBJECT" for each in collection.objects):
+        return
+    values = {key: value for key, value in collection.items() if key != OWNER}
+    _taken[scene.session_uid] = {key: value for key, value in values.items() if isinstance(value, float | str)}
+    _worn[scene.session_uid] = {
+        key: value.name
+        for key, value in values.items()
+        if key.startswith("own ") and isinstance(value, bpy.types.Material)
+    }
+    bpy.data.batch_remove([*collection.objects, collection])
 
 
 def drop_foreign(scene: bpy.types.Scene) -> None:

@@ -18,6 +18,7 @@ from ..look.skin_material import GRID_INK, Space
 
 PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
 _MADE_FOR = "lappet_made_for"
+_DRESSED_AS = "lappet_dressed_as"  # of a mesh: the color and prefix of the roles of its materials
 _TILE = 160  # pixels of the tile that Solid shading repeats every 10 mm
 
 
@@ -49,7 +50,7 @@ def skin_materials(
     opacity: float = 1.0,
     prefix: str = "",
 ) -> tuple[bpy.types.Material, ...]:
-    """One material per origin: skin, wound wall, underside, rim.
+    """One material per origin: skin, wound wall, underside, rim; the user's own where there is one.
 
     color: of `COLORS`. units: Blender units per mm. opacity: of the skin. prefix: of the roles of what is drawn.
     """
@@ -63,19 +64,58 @@ def skin_materials(
             _add_tile(made, name)
         return made
 
-    first = _kept(collection, f"skin {name}", f"{units:g} {pixel:.3f} {opacity:g}", skin)
+    roles = _skin_roles(color, prefix)
+    first = _kept(collection, roles[0], f"{units:g} {pixel:.3f} {opacity:g}", skin)
     if name in SCALARS:
         skin_material.set_full_scale(first, highest)
-    others = (
-        ("wall", partial(skin_material.wall_material, opacity=opacity)),
-        ("underside", skin_material.underside_material),
-        ("rim", skin_material.rim_material),
+    others: tuple[Callable[[TissueLayers, Space], bpy.types.Material], ...] = (
+        partial(skin_material.wall_material, opacity=opacity),
+        skin_material.underside_material,
+        skin_material.rim_material,
     )
     made_for = f"{units:g} {opacity:g} {digest(layers).hex()}"
-    return (
-        first,
-        *(_kept(collection, f"{prefix}{role}", made_for, partial(make, layers, space)) for role, make in others),
+    made = [
+        _kept(collection, r, made_for, partial(make, layers, space)) for r, make in zip(roles[1:], others, strict=True)
+    ]
+    own = (collection.get(f"own material {role}") for role in roles)
+    return tuple(
+        mine if isinstance(mine, bpy.types.Material) else each for mine, each in zip(own, (first, *made), strict=True)
     )
+
+
+def keep_own_materials(collection: bpy.types.Collection, mesh: bpy.types.Mesh) -> None:
+    """Keep what the user has put into the slots of a skin that is shown, for the color it was put on.
+
+    A slot that was emptied, or got the display's own material back, is the display's again.
+    """
+    if _DRESSED_AS not in mesh:
+        return
+    slots = list(mesh.materials)
+    for role, material in zip(_skin_roles(*mesh[_DRESSED_AS].split("/")), slots, strict=False):
+        slot = f"own material {role}"
+        if material is not None and _MADE_FOR not in material:
+            if collection.get(slot) != material:
+                collection[slot] = material
+        elif slot in collection:
+            del collection[slot]
+
+
+def dress(mesh: bpy.types.Mesh, materials: tuple[bpy.types.Material, ...], color: str, prefix: str) -> bool:
+    """Give a skin its materials; whether that changed anything."""
+    worn = f"{color}/{prefix}"
+    if mesh.get(_DRESSED_AS) != worn:
+        mesh[_DRESSED_AS] = worn
+    if list(mesh.materials) == list(materials):
+        return False
+    mesh.materials.clear()
+    for material in materials:
+        mesh.materials.append(material)
+    return True
+
+
+def _skin_roles(color: str, prefix: str) -> tuple[str, ...]:
+    """What the materials of a skin are kept as, one per origin: skin, wound wall, underside, rim."""
+    return (f"skin {color.lower()}", f"{prefix}wall", f"{prefix}underside", f"{prefix}rim")
 
 
 def has_materials(collection: bpy.types.Collection, color: str) -> bool:

@@ -33,7 +33,14 @@ from .display_collection import (
 )
 from .epoch_mesh import find_epoch_mesh, remove_unused, set_layer_rows, take_epoch_mesh
 from .legend import show_legend
-from .look_materials import has_materials, part_material, quantity_of, skin_materials
+from .look_materials import (
+    dress,
+    has_materials,
+    keep_own_materials,
+    part_material,
+    quantity_of,
+    skin_materials,
+)
 from .manifest_source import ManifestSource, fitting
 from .skin_colors import color_vertices
 from .skin_decorations import SkinDecorations, Where
@@ -126,6 +133,13 @@ def clear_all() -> None:
     _decorations.clear()
     _said.clear()
     _unfinished.clear()
+
+
+def stop() -> None:
+    """The extension is taken away: nothing of it runs on."""
+    if bpy.app.timers.is_registered(_scan_on):
+        bpy.app.timers.unregister(_scan_on)
+    clear_all()
 
 
 def events_changed(scene: bpy.types.Scene) -> None:
@@ -236,13 +250,15 @@ def _draw_skin(
     """Show a skin; source_scene: whose procedure it is. None where its first picture was put off."""
     if not time_slice.begins(not has_materials(where.collection, look.color)):
         return None
-    layers = shown.manifest.layers
-    opacity = TRANSLUCENT if look.show_through else 1.0
-    materials = skin_materials(where.collection, look.color, highest, where.units, layers, opacity, where.prefix)
     role = f"{where.prefix}skin"
     before = find_object(where.collection, role)
     if before is not None and before.mode != "OBJECT":
         return before  # somebody edits it: what they do is lost at the next frame, but not under their hands
+    if before is not None and before.type == "MESH":
+        keep_own_materials(where.collection, before.data)
+    layers = shown.manifest.layers
+    opacity = TRANSLUCENT if look.show_through else 1.0
+    materials = skin_materials(where.collection, look.color, highest, where.units, layers, opacity, where.prefix)
     shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
     known = find_epoch_mesh(
         shape, look.show_walls, before.data if before is not None and before.type == "MESH" else None
@@ -266,10 +282,7 @@ def _draw_skin(
         set_attribute(mesh, "quantity", "FLOAT", "POINT", values.astype(np.float32, copy=False))
     set_layer_rows(mesh, shape, layers)
     color_vertices(mesh, shape, layers, values, highest)
-    if list(mesh.materials) != list(materials):
-        mesh.materials.clear()
-        for material in materials:
-            mesh.materials.append(material)
+    if dress(mesh, materials, look.color, where.prefix):
         set_attribute(mesh, "material_index", "INT", "FACE", _origins(mesh))
     mesh.update()
     place(skin, where.offset)

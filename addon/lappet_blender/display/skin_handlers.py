@@ -8,6 +8,7 @@ from bpy.app.handlers import persistent
 from ..model import changes
 from ..solving import frames
 from . import skin_display
+from .display_collection import take_away
 
 _looks: dict[int, tuple] = {}
 _WINDOWS = object()
@@ -38,6 +39,12 @@ def _render_begins(scene: bpy.types.Scene, *_: object) -> None:
 
 def _render_ended(scene: bpy.types.Scene, *_: object) -> None:
     skin_display.render_ended(scene)
+
+
+def _before_undo(*_: object) -> None:
+    for scene in bpy.data.scenes:
+        if scene.library is None:
+            take_away(scene)
 
 
 def _undone(*_: object) -> None:
@@ -82,6 +89,8 @@ _HANDLERS = (
     ("render_init", persistent(_render_begins)),
     ("render_complete", persistent(_render_ended)),
     ("render_cancel", persistent(_render_ended)),
+    ("undo_pre", persistent(_before_undo)),
+    ("redo_pre", persistent(_before_undo)),
     ("undo_post", persistent(_undone)),
     ("redo_post", persistent(_undone)),
     ("load_pre", persistent(_before_load)),
@@ -109,4 +118,4 @@ def unregister() -> None:
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)
-    skin_display.clear_all()
+    skin_display.stop()

@@ -70,6 +70,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Take them off."""
-    bpy.app.handlers.depsgraph_update_post.remove(_after_update)
-    for name in _STEPS:
-        getattr(bpy.app.handlers, name).remove(_after_step)
+    for name, handler in (("depsgraph_update_post", _after_update), *((name, _after_step) for name in _STEPS)):
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)

@@ -18,11 +18,11 @@ from lappet.drawing.mean_value import mean_values
 from lappet.drawing.section_plane import Lines, SectionPlane
 from lappet.drawing.skin_fields import SKIN
 from lappet.drawing.skin_read import SkinCache
+from lappet.drawing.tube_shape import Radius
 from lappet.geometry.closest_point import ClosestPoint
 
 from ..look.layer_image import ROW, layer_rows
 from ..look.skin_import import SCALE, Bed, SkinObject, build_mesh, set_attribute
-from ..look.tube_shape import Radius
 from ..look.vessel_tubes import HOLLOW, LUMEN
 
 _EDGE = 0.6  # mm, the longest edge of the cut face

@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.tube_shape import Radius, tube_faces, tube_points
+
 from .skin_import import SCALE
-from .tube_shape import Radius, tube_faces, tube_points
 
 TOPOLOGY = "lappet_tubes"
 

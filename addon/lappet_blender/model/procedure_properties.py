@@ -323,6 +323,7 @@ class LappetProcedure(bpy.types.PropertyGroup):
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
     flaps: CollectionProperty(type=LappetFlap)
+    plates: StringProperty(options={"HIDDEN"})  # pages for print (plate_values.py)
     kept: StringProperty(options={"HIDDEN"})  # what there are no tools for (kept_values.py)
     solving: PointerProperty(type=LappetSolving)
     look: PointerProperty(type=LappetLook)

@@ -19,6 +19,7 @@ from .kept_values import KEPT_EVENTS, keep
 from .laid_flaps import keep_flap
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
+from .plate_values import keep_plates
 from .procedure_properties import VERSION
 from .scenery_values import claim_scenery, make_scenery
 from .skin_line_values import set_skin_line
@@ -62,6 +63,7 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
     _events(scene, procedure)
     for flap in procedure.flaps:
         keep_flap(scene, flap)
+    keep_plates(scene, procedure.plates)
     kept = keep(scene, procedure)
     names = [*(each.name for each in kept.events), *(each.faces for each in kept.rollers)]
     if names:

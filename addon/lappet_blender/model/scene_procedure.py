@@ -15,6 +15,7 @@ from .event_values import event_value
 from .kept_values import kept_values
 from .laid_flaps import flap_values
 from .material_values import material_values
+from .plate_values import plate_values
 from .scene_filling import fill_scene
 from .skin_line_values import skin_line_values
 from .tissue_values import bone_values, tissue_value
@@ -50,6 +51,7 @@ def read_scene(scene: bpy.types.Scene) -> SceneReading:
         skin_lines=skin_line_values(scene),
         vessels=vessel_values(scene),
         flaps=flap_values(scene, {event.name for event in events}),
+        plates=plate_values(scene),
         start_time=float(scene.frame_start),
         end_time=float(scene.frame_end),
         fps=scene.render.fps / decimal(scene.render.fps_base),

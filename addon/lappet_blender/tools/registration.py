@@ -19,6 +19,7 @@ from . import (
 )
 from .preview import clear_preview
 from .shown_surface import clear_cache
+from .skin_modal import end_running
 
 CLASSES = (
     *incision_tool.CLASSES,
@@ -50,7 +51,8 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take everything away again."""
+    """Take everything away again; what runs ends first, while what it shows can still be taken back."""
+    end_running()
     if _another_file in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_another_file)
     plan_overlay.unregister()

@@ -123,10 +123,13 @@ def clear_cache() -> None:
 
 
 def shown_object(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None = None) -> bpy.types.Object | None:
-    """The object that is drawn on: the solved skin, or else the tissue; of those that are visible (in a viewport)."""
+    """The object that is drawn on: the solved skin, or else the tissue; of those that are visible (in a viewport).
+
+    One in edit mode is none: its points are in Blender's hands until the mode ends.
+    """
     layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
     for each in (skin_object(scene), scene.lappet.tissue.object):
-        if each is not None and each.type == "MESH" and each.name in layer.objects:
+        if each is not None and each.type == "MESH" and each.name in layer.objects and not each.data.is_editmode:
             visible = (
                 each.visible_get(view_layer=layer, viewport=viewport)
                 if viewport

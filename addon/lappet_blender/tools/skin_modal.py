@@ -13,6 +13,7 @@ import bpy
 from lappet.core.problem import problem, refused
 from lappet.core.problem_code import ProblemCode
 
+from ..interface.header_texts import clear_texts
 from ..interface.operator_base import OperatorBase
 from .preview import clear_preview, redraw
 from .shown_surface import shown_object
@@ -22,6 +23,7 @@ Result = set[str]
 Hint = tuple[str, str]  # an icon of Blender and a word or two
 RUNNING: Result = {"RUNNING_MODAL"}
 _NAVIGATION = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "MOUSEROTATE", "MOUSESMARTZOOM", "NDOF", "NUMPAD_", "BUTTON")
+running: list[SkinModal] = []
 _FRAMES = frozenset({"LEFT_ARROW", "RIGHT_ARROW", "UP_ARROW", "DOWN_ARROW", "SPACE", "MEDIA_PLAY", "HOME"})
 
 
@@ -103,6 +105,7 @@ class SkinModal(OperatorBase):
             clear_preview()
             return ended
         context.window_manager.modal_handler_add(self)
+        running.append(self)
         hints = self.hints
         context.workspace.status_text_set(lambda bar, _context: _draw_hints(bar.layout, hints))
         self._say(context)
@@ -169,6 +172,8 @@ class SkinModal(OperatorBase):
             context.area.header_text_set(self.text(context))
 
     def _end(self, context: bpy.types.Context, result: Result) -> Result:
+        if self in running:
+            running.remove(self)
         if "FINISHED" not in result:
             self.abandoned(context)
         clear_preview()
@@ -177,6 +182,14 @@ class SkinModal(OperatorBase):
         if context.workspace is not None:
             context.workspace.status_text_set(None)
         return result
+
+
+def end_running() -> None:
+    """End every tool that runs, before its class goes: Blender frees it without a word to it."""
+    while running:
+        running.pop().abandoned(bpy.context)
+    clear_preview()
+    clear_texts()
 
 
 def _draw_hints(layout: bpy.types.UILayout, hints: tuple[Hint, ...]) -> None:

@@ -8,6 +8,8 @@ from .icon_shapes import icon_path
 from .incision_tool import draw_incision_settings
 
 _PRESS = {"type": "LEFTMOUSE", "value": "PRESS"}
+_OWN_TOOL, _OWN_KEYMAP = "builtin.select_box", "3D View Tool: Select Box"  # Blender's
+TEXTS_OF_SETUP = ("gizmo_group", "data_block", "operator", "idname_fallback", "keymap_fallback")
 # When a modal operator ends with the release, Blender still tells of a click, which would select the skin's object.
 _CLICK = ("lappet.ignore_click", {"type": "LEFTMOUSE", "value": "CLICK", "any": True}, None)
 
@@ -194,10 +196,18 @@ def register() -> None:
 
 def unregister() -> None:
     """Take them out; a workspace that has one of them in hand gets Blender's own."""
-    names = {each.bl_idname for each in TOOLS}
+    _put_down({each.bl_idname for each in TOOLS})
+    for each in reversed(TOOLS):
+        bpy.utils.unregister_tool(each)
+
+
+def _put_down(names: set[str]) -> None:
+    """Give every workspace with a tool of these in hand Blender's own to select with.
+
+    Blender takes each text of `setup` that is left out for a null pointer, and crashes: all of them are given.
+    """
     for workspace in () if bpy.app.background else bpy.data.workspaces:
         tool = workspace.tools.from_space_view3d_mode("OBJECT", create=False)
         if tool is not None and tool.idname in names:
-            tool.setup(idname="builtin.select_box")
-    for each in reversed(TOOLS):
-        bpy.utils.unregister_tool(each)
+            texts = dict.fromkeys(TEXTS_OF_SETUP, "")
+            tool.setup(idname=_OWN_TOOL, keymap=_OWN_KEYMAP, **texts)

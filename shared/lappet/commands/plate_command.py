@@ -16,6 +16,8 @@ _STYLES = ("ink", "schematic", "halftone", "wash")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 _MAPS = ("tension", "strain", "stress")
 _VIEWS = ("oblique", "top", "low")
+_TEMPLATES = ("steps", "atlas", "comparison", "section", "cover")
+_PROCEDURES = (".usda", ".usdc", ".usd")
 
 
 class PanelCaption(click.ParamType):
@@ -52,8 +54,15 @@ class PanelCaption(click.ParamType):
 @click.command()
 @click.argument("caches", type=FILE, nargs=-1, required=True)
 @click.option(
-    "-o", "--output", "picture", type=FILE, required=True, help="The plate (.svg, .pdf, .png, .tif or .tiff)."
+    "-o",
+    "--output",
+    "picture",
+    type=FILE,
+    required=True,
+    help="The plate (.svg, .pdf, .png, .tif or .tiff); with --template also a procedure (.usda, .usdc).",
 )
+@click.option("--plate", "kept", metavar="NAME", default="", help="A plate of the procedure.")
+@click.option("--template", type=click.Choice(_TEMPLATES), help="A plate that is good without editing.")
 @click.option("--style", type=click.Choice(_STYLES), default="schematic", show_default=True, help="How it is drawn.")
 @click.option("--skin-tone", "tone", type=click.IntRange(1, 10), help="Tone of the skin on the Monk scale, 1 to 10.")
 @click.option("--frames", type=FrameList(), help="Time codes of the panels.  [default: the operation's steps]")
@@ -88,6 +97,8 @@ def plate(
     /,
     caches: tuple[Path, ...],
     picture: Path,
+    kept: str,
+    template: str | None,
     style: str,
     tone: int | None,
     frames: tuple[float, ...] | None,
@@ -101,12 +112,44 @@ def plate(
     limits: ReadLimits,
     **shown: Any,
 ) -> None:
-    """Draw a plate: the steps of a solved procedure with captions, labels and measures, or several side by side."""
+    """Draw a plate: the steps of a solved procedure with captions, labels and measures, or several side by side.
+
+    With --plate, a plate that is part of the procedure; options that are given take the place of what it says. With
+    --template and a procedure's name behind -o, the template becomes a plate of the procedure, to be changed there.
+    """
+    if kept and template:
+        raise click.UsageError("Give --plate or --template, not both.")
     with sentences(context):
+        if template and picture.suffix.lower() in _PROCEDURES:
+            _add_template(caches, picture, template, limits)
+            return
         from lappet.plates.draw_plate import PlateOptions, draw_plate
 
+        if kept or template:  # what the user did not say is as the plate has it
+            given = click.core.ParameterSource.DEFAULT
+            shown = {name: value for name, value in shown.items() if context.get_parameter_source(name) is not given}
         options = PlateOptions(
-            style, tone, frames, dict(captions), language, own, font, dpi, profile, transparent, shown
+            *(style, tone, frames, dict(captions), language, own, font, dpi, profile, transparent, shown),
+            plate=kept,
+            template=template or "",
         )
-        draw_plate(caches, [picture], options, limits)
+        drawn = draw_plate(caches, [picture], options, limits)
+        for note in drawn.notes:
+            click.echo(f"{note.severity}: {note}", err=True)
         click.echo(picture)
+
+
+def _add_template(files: tuple[Path, ...], output: Path, template: str, limits: ReadLimits) -> None:
+    """Make a template a plate of a procedure."""
+    if len(files) != 1:
+        raise click.UsageError("A template becomes a plate of one procedure; give one file.")
+    from dataclasses import replace
+
+    from lappet.plates.plate_templates import from_template
+    from lappet.usd.stage import read_procedure, write_procedure
+
+    given = read_procedure(files[0], limits=limits)
+    plate = from_template(given, template)
+    write_procedure(replace(given, plates=(*given.plates, plate)), output)
+    panels = ", ".join(panel.name for panel in plate.panels)
+    click.echo(f"Written: {output}, with the plate {plate.name!r} ({panels})")

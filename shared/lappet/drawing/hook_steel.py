@@ -71,22 +71,35 @@ class HookSteel:
         tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]
             Their courses in mm, each of shape (k, 3), and their radii in mm, each of shape (k,).
         """
+        drawn = self.named_tubes(time).values()
+        return [line for line, _ in drawn], [radii for _, radii in drawn]
+
+    def named_tubes(self, time: float) -> dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Draw the hooks that are active at a frame, and say which each is.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]]
+            Course, shape (k, 3), and radii, shape (k,), in mm, by the index of the hook.
+        """
         hooks = self._source.hooks(time)
         active = [int(i) for i in np.flatnonzero(hooks.active) if int(i) in self._directions]
-        lines: list[NDArray[np.float64]] = []
-        radii: list[NDArray[np.float64]] = []
         if not active:
-            return lines, radii
+            return {}
         epoch = self._source.epoch_at(time)
         points = self._source.positions(epoch, time)
+        found = {}
         for index in active:
             anchor = hooks.ends[index, 0].astype(np.float64)
             direction = self._directions[index]
             normal, edge = self._hold(epoch, points, anchor, direction)
-            line, radius = hook_path(anchor, direction, normal, edge, self._scale)
-            lines.append(line)
-            radii.append(radius)
-        return lines, radii
+            found[index] = hook_path(anchor, direction, normal, edge, self._scale)
+        return found
 
     def _hold(
         self,

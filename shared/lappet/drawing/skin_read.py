@@ -29,6 +29,8 @@ class SkinCache(SkinSource):
     ----------
     path
         The file.
+    stage
+        The cache over its procedure, open; None opens the file.
 
     Raises
     ------
@@ -38,16 +40,9 @@ class SkinCache(SkinSource):
         If this Python has no USD.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, stage: Any = None) -> None:
         usd = pxr()
-        if not path.is_file():
-            raise FigureError(f"There is no skin cache at {path}; solve the procedure first (lappet solve).")
-        try:
-            self._stage = usd.Usd.Stage.Open(str(path))
-        except usd.Tf.ErrorException as error:
-            raise FigureError(
-                f"{path} is not a USD file that can be read; write it again with lappet solve."
-            ) from error
+        self._stage = _opened(path) if stage is None else stage
         self.path = path
         self._mm = usd.UsdGeom.GetStageMetersPerUnit(self._stage) / 0.001
         self.fps = float(self._stage.GetTimeCodesPerSecond())
@@ -65,6 +60,11 @@ class SkinCache(SkinSource):
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
         self._events = self._read_events()
         self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
+
+    @property
+    def stage(self) -> Any:
+        """The open stage, with the procedure below the cache."""
+        return self._stage
 
     @property
     def epochs(self) -> tuple[SkinEpoch, ...]:
@@ -152,7 +152,7 @@ class SkinCache(SkinSource):
         points, counts = self.vessel_points(time), np.asarray(prim.GetAttribute("curveVertexCounts").Get(), np.int64)
         kinds, widths, begins, ends = (
             prim.GetAttribute(name).Get()
-            for name in ("primvars:kind", "widths", "primvars:beginDivided", "primvars:endDivided")
+            for name in (_kinds(prim), "widths", "primvars:beginDivided", "primvars:endDivided")
         )
         lines = np.split(points, np.cumsum(counts)[:-1])
         return [
@@ -350,3 +350,18 @@ class SkinCache(SkinSource):
                 kind, stitches = "Suture", sum(label.startswith(f"{name}/") for label in labels)
             events.append(StepEvent(kind, name, float(start), float(end), stitches))
         return tuple(sorted(events, key=lambda e: e.start))
+
+
+def _opened(path: Path) -> Any:
+    usd = pxr()
+    if not path.is_file():
+        raise FigureError(f"There is no skin cache at {path}; solve the procedure first (lappet solve).")
+    try:
+        return usd.Usd.Stage.Open(str(path))
+    except usd.Tf.ErrorException as error:
+        raise FigureError(f"{path} is not a USD file that can be read; write it again with lappet solve.") from error
+
+
+def _kinds(vessels: Any) -> str:
+    """The attribute with the kinds of vessels; in older caches it is a primvar."""
+    return "lappet:kind" if vessels.HasAttribute("lappet:kind") else "primvars:kind"

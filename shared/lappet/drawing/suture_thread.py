@@ -148,23 +148,39 @@ class SutureThread:
         tuple[list[NDArray[np.float64]], list[float]]
             Lines, shape (k, 3) each, and their radii, in mm.
         """
+        lines = list(self.named_lines(time).values())
+        return lines, [THREAD_RADIUS * self._scale] * len(lines)
+
+    def named_lines(self, time: float) -> dict[tuple[int, int], NDArray[np.float64]]:
+        """Find the thread and knots of a frame and whose they are.
+
+        Parameters
+        ----------
+        time
+            Time code of the frame.
+
+        Returns
+        -------
+        dict[tuple[int, int], NDArray[np.float64]]
+            Lines in mm, shape (k, 3) each, by the index of the suture and the number of the line: 0 is the thread, 1
+            the knot's coil, 2 and 3 are its tails.
+        """
         self.unfinished = False
         sutures, sliding = self._source.sutures(time), self._source.threads(time)
-        over = self._over_skin(time, sliding)  # the skin hides what runs in the tissue
-        radii = [THREAD_RADIUS * self._scale] * len(over)
+        lines = self._over_skin(time, sliding)  # the skin hides what runs in the tissue
         active = [
             int(i)
             for i in np.flatnonzero(sutures.active)
             if int(i) not in (self._hidden or ()) and int(i) not in sliding
         ]
         if not active:
-            return over, radii
+            return lines
         epoch = self._source.epoch_at(time)
         until = np.inf if self.until is None else self.until
         self._fresh = False
         shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
         if not shown:
-            return over, radii
+            return lines
         points = self._source.positions(epoch, time)
         if epoch.name not in self._normals:
             self._normals[epoch.name] = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
@@ -174,22 +190,23 @@ class SutureThread:
         normals = self._normals[epoch.name].at(points, at.ravel()).reshape(-1, 3, 3)
         up = np.einsum("kc,kci->ki", np.array([bite.weights for bite in pairs]), normals)
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
-        lines = over
         for k, (index, stitch) in enumerate(shown.items()):
             ends = sutures.ends[index][:: -1 if stitch.turned else 1].astype(np.float64)
             tied = bool(np.linalg.norm(ends[1] - ends[0]) <= CLOSED_GAP)
             path = stitch_path(bites[k], ends, up[2 * k : 2 * k + 2], tied, self._scale)
-            lines += [path.thread, *path.knot]
-        return lines, [THREAD_RADIUS * self._scale] * len(lines)
+            lines.update(((index, part), line) for part, line in enumerate((path.thread, *path.knot)))
+        return lines
 
-    def _over_skin(self, time: float, sliding: Mapping[int, NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    def _over_skin(
+        self, time: float, sliding: Mapping[int, NDArray[np.float64]]
+    ) -> dict[tuple[int, int], NDArray[np.float64]]:
         """The threads with many bites of a frame."""
         if not sliding:
-            return []
+            return {}
         epoch = self._source.epoch_at(time)
         points, skin = self._source.positions(epoch, time), epoch.triangles[epoch.origin == SKIN]
         lift = 0.5 * THREAD_RADIUS * self._scale
-        return [laid_on_skin(bites, points, skin, lift) for bites in sliding.values()]
+        return {(index, 0): laid_on_skin(bites, points, skin, lift) for index, bites in sliding.items()}
 
     def _apart(self, stitches: dict[int, Stitch]) -> dict[int, Stitch]:
         """Those that do not stand too close to one before them."""

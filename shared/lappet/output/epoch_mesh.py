@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from lappet.anatomy.tissue_layers import LayerSearch
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
+from lappet.drawing.surface_look import face_looks
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.geometry.unique_rows import unique_rows
 from lappet.geometry.vectors import bounds
+from lappet.output.preview_materials import bind_faces
 from lappet.output.shown_frames import show_at
 from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr
@@ -35,6 +37,7 @@ def write_epoch(
     frames: Sequence[SolvedFrame],
     times: Sequence[float],
     fps: float,
+    free_rim: bool = False,
 ) -> None:
     """Write the skin of an epoch, shown at its own frames alone.
 
@@ -52,14 +55,16 @@ def write_epoch(
         Time codes of all frames of the cache.
     fps
         Frames a second.
+    free_rim
+        Whether the rim of the tissue is a free border of the body and no cut.
     """
-    mesh = _define(stage, epoch, layers)
+    mesh = _define(stage, epoch, layers, free_rim)
     _animate(mesh, ShadingNormals(epoch.surface), frames, fps)
     show_at(mesh, {frame.time for frame in frames}, times)
 
 
-def _define(stage: Any, epoch: Epoch, layers: LayerSearch) -> Any:
-    """The mesh at rest, with what does not change: topology, subsets, texture coordinates and colors."""
+def _define(stage: Any, epoch: Epoch, layers: LayerSearch, free_rim: bool) -> Any:
+    """The mesh at rest, with what does not change: topology, subsets, texture coordinates, colors and materials."""
     usd = pxr()
     surface: Surface = epoch.surface
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
@@ -77,7 +82,8 @@ def _define(stage: Any, epoch: Epoch, layers: LayerSearch) -> Any:
     st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
     color = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
     found = layers.of(surface)
-    own = layers.layers.colors_at(found.column, found.depth[surface.triangles].mean(axis=1))
+    depths = found.depth[surface.triangles].mean(axis=1)
+    own = layers.layers.colors_at(found.column, depths)
     own[surface.origin == FaceOrigin.SKIN] = _SKIN_COLOR
     palette, index = unique_rows(own)
     color.Set(vectors(palette))
@@ -86,6 +92,7 @@ def _define(stage: Any, epoch: Epoch, layers: LayerSearch) -> Any:
     depth.Set(usd.Vt.FloatArray.FromNumpy(found.depth))
     column = primvars.CreatePrimvar("layerColumn", types.IntArray, tokens.uniform)
     column.Set(usd.Vt.IntArray.FromNumpy(found.column))
+    bind_faces(stage, mesh, *face_looks(layers.layers, surface.origin, found.column, depths, free_rim))
     # At no time: at rest, which taut tissue leaves as soon as it is cut.
     mesh.CreatePointsAttr().Set(vectors(surface.points))
     return mesh

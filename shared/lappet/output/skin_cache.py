@@ -18,6 +18,7 @@ from lappet.anatomy.tissue_layers import layer_search
 from lappet.core.version import version
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.boundary_forces import write_boundary_forces
+from lappet.output.dressed_cache import dress
 from lappet.output.epoch_mesh import write_epoch
 from lappet.output.force_errors import write_force_errors
 from lappet.output.layer_table import write_layers
@@ -73,6 +74,7 @@ def write_skin_cache(
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
     _author(layer, procedure, program, frames, last_key)
     _add_measures(pxr().Usd.Stage.Open(layer), program, frames, measures)
+    dress(layer, output, procedure, program, frames)
     # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
     layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
@@ -90,9 +92,8 @@ def _add_measures(
 def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:
     usd = pxr()
     stage = usd.Usd.Stage.Open(layer)
-    stage.OverridePrim("/Procedure")
+    usd.UsdGeom.Xform.Define(stage, "/Procedure")
     _metadata(stage, procedure, program, frames, last_key)
-    usd.UsdGeom.Imageable(stage.OverridePrim("/Procedure/Tissue")).CreateVisibilityAttr("invisible")
     usd.UsdGeom.Xform.Define(stage, "/Procedure/Skin")
     times = [frame.time for frame in frames]
     epochs = {constraints.time: constraints.epoch for constraints in program.frames}
@@ -101,7 +102,7 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     write_layers(stage, layers.layers)
     for epoch in shown:
         own = [frame for frame in frames if epochs[frame.time] == epoch.index]
-        write_epoch(stage, epoch, layers, own, times, program.fps)
+        write_epoch(stage, epoch, layers, own, times, program.fps, bool(procedure.scenery))
     _write_sutures(stage, program, frames)
     _write_threads(stage, program, frames)
     _write_hooks(stage, procedure, program, frames)

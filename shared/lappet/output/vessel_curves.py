@@ -56,8 +56,13 @@ def _define(stage: Any, path: str, vessels: Sequence[Vessel], pieces: VesselPiec
     curves.CreateWidthsAttr(usd.Vt.FloatArray([2.0 * vessel.radius for vessel in own]))
     curves.SetWidthsInterpolation(tokens.uniform)
     primvars = usd.UsdGeom.PrimvarsAPI(curves)
-    primvars.CreatePrimvar("label", types.StringArray, tokens.uniform).Set([vessel.title for vessel in own])
-    primvars.CreatePrimvar("kind", types.TokenArray, tokens.uniform).Set([vessel.kind for vessel in own])
+    # Not primvars: programs that cannot draw text complain of primvars that are.
+    for name, kind, values in (
+        ("label", types.StringArray, [vessel.title for vessel in own]),
+        ("kind", types.TokenArray, [vessel.kind for vessel in own]),
+    ):
+        uniform = usd.Sdf.VariabilityUniform
+        curves.GetPrim().CreateAttribute(f"lappet:{name}", kind, custom=False, variability=uniform).Set(values)
     colors = [VESSEL_COLORS[vessel.kind] for vessel in own]
     primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform).Set(vectors(np.array(colors)))
     divided = np.asarray(pieces.divided, np.int32)

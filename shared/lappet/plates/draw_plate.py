@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from lappet.core.problem import Problem, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.drawing.skin_read import SkinCache
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
-from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache
+from lappet.plates.planned_panels import plate_panels
+from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache, plate_of
 from lappet.plates.plate_files import check_format, write_plate
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import plate_page
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_svg import plate_svg
-from lappet.plates.plate_words import plate_words
+from lappet.plates.plate_templates import from_template
+from lappet.plates.plate_words import LANGUAGES, plate_words
+from lappet.procedure.plate import Plate
+from lappet.usd.stage import read_procedure
 
 
 @dataclass(frozen=True)
@@ -46,6 +53,11 @@ class PlateOptions:
         Whether the paper is left out.
     shown
         Width, columns, view and what is shown, as in `PlateRequest`.
+    plate
+        Name of a plate of the procedure, of which all is taken that `PlateOptions` does not say otherwise than by
+        default; "" for none.
+    template
+        Name of a template that takes its place, "" for none.
     """
 
     style: str = "schematic"
@@ -59,6 +71,24 @@ class PlateOptions:
     profile: Path | None = None
     transparent: bool = False
     shown: Mapping[str, Any] = field(default_factory=dict)
+    plate: str = ""
+    template: str = ""
+
+
+@dataclass(frozen=True)
+class DrawnPlate:
+    """A plate that has been drawn.
+
+    Parameters
+    ----------
+    pictures
+        Its files.
+    notes
+        What of it could not be drawn, and why.
+    """
+
+    pictures: tuple[Path, ...]
+    notes: tuple[Problem, ...] = ()
 
 
 def draw_plate(
@@ -66,7 +96,7 @@ def draw_plate(
     pictures: Sequence[Path],
     options: PlateOptions = PlateOptions(),
     limits: ReadLimits = DEFAULT_LIMITS,
-) -> list[Path]:
+) -> DrawnPlate:
     """Draw a plate.
 
     Parameters
@@ -82,31 +112,90 @@ def draw_plate(
 
     Returns
     -------
-    list[Path]
-        The files.
+    DrawnPlate
+        The files, and what could not be drawn.
 
     Raises
     ------
     RefusedError
-        If a value makes no sense or the cache cannot be read; nothing is written then.
+        If a value makes no sense, a cache cannot be read, or its procedure has no such plate; nothing is written then.
     OSError
         If a file cannot be written.
     """
     for picture in pictures:
         check_format(picture, options.profile)
+    sources = [open_cache(cache, limits) for cache in caches]
+    notes: list[Problem] = []
+    kept = plate_of(sources[0], options.plate, notes) if options.plate else None
+    if options.template:
+        kept = from_template(read_procedure(caches[0], limits=limits), options.template)
+    if kept is not None:
+        options = of_plate(options, kept)
     words, font = plate_words(options.language, options.own), PlateFont(options.font)
     style = plate_style(options.style, options.tone)
-    rows = tuple(_row(cache, len(caches) > 1, options, limits) for cache in caches)
-    page = plate_page(PlateRequest(rows, options.captions, **options.shown), style, words, font)
+    rows = tuple(_row(source, len(caches) > 1, options, kept, notes) for source in sources)
+    request = PlateRequest(rows, options.captions, **options.shown, annotations=kept.annotations if kept else ())
+    page = plate_page(request, style, words, font)
     svg = plate_svg(page, style, font, options.dpi, not options.transparent)
     for picture in pictures:
         write_plate(svg, page.size, page.alt, font, picture, options.dpi, options.profile, options.transparent)
-    return list(pictures)
+    return DrawnPlate(tuple(pictures), (*notes, *(note for panel in page.panels for note in panel.notes.notes)))
 
 
-def _row(cache: Path, compared: bool, options: PlateOptions, limits: ReadLimits) -> PlateRow:
-    source = open_cache(cache, limits)
-    if not compared:
-        return PlateRow(source, chosen_steps(source, options.frames))
-    steps = compared_steps(source) if options.frames is None else chosen_steps(source, options.frames)
-    return PlateRow(source, steps, cache.name.split(".")[0].replace("_", " "))
+def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
+    """Take from a plate of the procedure what options leave at their defaults.
+
+    Parameters
+    ----------
+    options
+        The options.
+    plate
+        The plate.
+
+    Returns
+    -------
+    PlateOptions
+        The options of the plate.
+
+    Raises
+    ------
+    RefusedError
+        If the plate is in a language that the catalogue does not have.
+    """
+    if plate.language not in LANGUAGES:
+        raise refused(ProblemCode.PLATE_LANGUAGE, plate.name, plate.language, known=", ".join(LANGUAGES))
+    default = PlateOptions()
+    section = None
+    if plate.section_at is not None and plate.section_normal is not None:
+        section = (*plate.section_at, *plate.section_normal)
+    own = {
+        "width": plate.width,
+        "columns": plate.columns or None,
+        "view": plate.view,
+        "labels": plate.labels,
+        "letters": plate.letters,
+        "arrows": plate.arrows,
+        "measures": plate.measures,
+        "instruments": plate.instruments,
+        "landmarks": plate.landmarks,
+        "section": section,
+        "mapped": plate.quantity or None,
+    }
+    return replace(
+        options,
+        style=plate.style if options.style == default.style else options.style,
+        tone=(plate.tone or None) if options.tone is None else options.tone,
+        language=plate.language if options.language == default.language else options.language,
+        shown={**own, **options.shown},
+    )
+
+
+def _row(
+    source: SkinCache, compared: bool, options: PlateOptions, kept: Plate | None, notes: list[Problem]
+) -> PlateRow:
+    title = source.path.name.split(".")[0].replace("_", " ") if compared else ""
+    if kept is not None and options.frames is None:
+        return PlateRow(source, plate_panels(source, kept, notes), title)
+    if compared and options.frames is None:
+        return PlateRow(source, compared_steps(source), title)
+    return PlateRow(source, chosen_steps(source, options.frames), title)

@@ -27,6 +27,7 @@ class LineKind(StrEnum):
     HATCHING = "hatching"
     SKIN_LINE = "skin-line"
     SECTION = "section"
+    GHOST = "ghost"
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,7 +73,7 @@ def plan_measures(
             text = f"{length:.0f} mm"
             if text in said or len(said) == _MOST or length > _STRAIGHT * float(np.linalg.norm(leg[-1] - leg[0])):
                 continue
-            at = _beside(projection.paper(leg)[0], paper, taken)
+            at = beside(projection.paper(leg)[0], paper, taken)
             if length >= _LEAST and not _covers(at, taken):
                 said.add(text)
                 found.append(Measure(text, at, np.zeros((0, 2))))
@@ -92,10 +92,25 @@ def plan_measures(
     return found
 
 
-def _beside(
+def beside(
     leg: NDArray[np.float64], paper: NDArray[np.float64], taken: list[NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """The place beside a leg's middle, on the side where there is more room."""
+    """Find the place beside a line's middle, on the side where there is more room.
+
+    Parameters
+    ----------
+    leg
+        The line in mm on paper, shape (k, 2).
+    paper
+        What is drawn, places in mm, shape (n, 2).
+    taken
+        Where other texts stand, each of shape (2,).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The place in mm, shape (2,).
+    """
     middle, way = leg[len(leg) // 2], leg[-1] - leg[0]
     side = np.array([-way[1], way[0]]) / max(float(np.linalg.norm(way)), 1e-12)
     places = [middle + sign * (_BESIDE + 1.6 * abs(side[0])) * side for sign in (1.0, -1.0)]

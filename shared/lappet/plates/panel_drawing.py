@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from shapely import LineString, box
 
-from lappet.drawing.framing import half_angles
 from lappet.plates.drawn_surface import DrawnSurface, drawn_surface
 from lappet.plates.feature_lines import FeatureLine, LineKind, surface_lines
 from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, seen_pixels
@@ -159,10 +158,10 @@ def panel_drawing(
     PanelDrawing
         The drawing.
     """
-    projection = Projection(scene.view, size, half_angles(size)[0])
+    projection = scene.projection(size)
     surface = drawn_surface(scene.source, scene.bed, scene.scenery, time)
     paper, depth = projection.paper(surface.points)
-    screen = ScreenTriangles(paper, depth, surface.triangles, _CELL)
+    screen = ScreenTriangles(paper, depth, surface.triangles, _CELL, frame=size)
     lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale) if style.hatched else []
     rough = [*lines, *surface_lines(surface, scene.view.position)]
     strokes = visible_strokes(rough, projection, screen)
@@ -294,13 +293,26 @@ def _arrows(
         way = ways[:, k]
         moved = float(np.linalg.norm(way[-1] - way[0]))
         if np.isfinite(way).all() and moved > _LEAST_MOVE * projection.size[1]:
-            found.append((moved, _bent(way)))
+            found.append((moved, bent(way)))
     found.sort(key=lambda each: -each[0])
     return [way for _, way in found[:_MOST_ARROWS]]
 
 
-def _bent(way: NDArray[np.float64], count: int = 24) -> NDArray[np.float64]:
-    """A smooth arc from a way's begin to its end that bulges to the side on which the way runs."""
+def bent(way: NDArray[np.float64], count: int = 24) -> NDArray[np.float64]:
+    """Smooth a way into an arc from its begin to its end that bulges to the side on which the way runs.
+
+    Parameters
+    ----------
+    way
+        The way in mm on paper, shape (k, 2).
+    count
+        How many points the arc has.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The arc, shape (count, 2).
+    """
     begin, end = way[0], way[-1]
     chord = end - begin
     side = np.array([-chord[1], chord[0]]) / np.linalg.norm(chord)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lappet.core.problem import refused
+from lappet.core.problem import Problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.framing import surgical_field
 from lappet.drawing.skin_read import SkinCache
@@ -12,7 +12,10 @@ from lappet.drawing.skin_source import FigureError, SkinSource
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.foreign.reading_process import ReadingProcess
 from lappet.plates.plate_steps import PlateStep, StepKind, plate_steps
+from lappet.procedure.plate import Plate
+from lappet.usd.plate_prims import read_plates_of
 from lappet.usd.procedure_file import CHILD
+from lappet.usd.stage import pxr
 from lappet.usd.stage_contents import ValueSizes
 
 
@@ -91,3 +94,33 @@ def compared_steps(source: SkinSource) -> tuple[PlateStep, ...]:
     """
     steps = chosen_steps(source)
     return (steps[0], steps[-1]) if len(steps) > 1 else steps
+
+
+def plate_of(source: SkinCache, name: str, notes: list[Problem]) -> Plate:
+    """Read a plate of the procedure that a cache was solved from.
+
+    Parameters
+    ----------
+    source
+        The solved procedure.
+    name
+        The plate's name.
+    notes
+        Gets a note of what was converted or left aside.
+
+    Returns
+    -------
+    Plate
+        The plate.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure has no plate of that name, or it cannot be read.
+    """
+    plates = read_plates_of(source.stage, pxr(), notes)
+    for plate in plates:
+        if plate.name == name:
+            return plate
+    known = ", ".join(plate.name for plate in plates) or "none"
+    raise refused(ProblemCode.PLATE_UNKNOWN, source.path, name, known=known)

@@ -11,6 +11,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value
 from lappet.drawing.section_plane import SectionPlane
+from lappet.plates.annotations import check_anchors
 from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, STROKE_LABELS
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
@@ -18,6 +19,7 @@ from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene, at_one_scale, plate_scene
 from lappet.plates.plate_style import POINT, PlateStyle
 from lappet.plates.plate_words import PlateWords
+from lappet.plates.skin_anchors import SkinAnchors
 
 LEAST_WIDTH = 40.0  # mm
 WIDEST = 1000.0  # mm
@@ -69,6 +71,7 @@ class PlatePage:
             found += [panel.letter, *panel.caption, *(each.text for each in panel.labels)]
             found += [each.text for each in panel.measures] + [each.text for each in panel.drawing.letters]
             found += [f"{panel.bar:g} mm"] if panel.bar else []
+            found += [each.text for each in panel.notes.placed] + [each.text for each in panel.notes.measures]
         return found
 
 
@@ -105,7 +108,9 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     _check_section(request)
     captions = _captions(request, words)
     _check_landmarks(request)
-    font.check([*captions, *request.landmarks, *(words(key) for key in _LABELS)])
+    for row in request.rows:
+        check_anchors(SkinAnchors(row.source), request.annotations)
+    checked_texts(request, captions, words, font)
     full, top = _full_scale(request)
     columns, width = _columns(request)
     maker = PanelMaker(
@@ -120,11 +125,35 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     told: set[str] = set()
     for k, caption in enumerate(lines):
         x = (k % columns) * (width + GUTTER) + 0.5 * width
-        panels.append(maker.panel(k, caption, np.array([x, float(tops[k // columns]) + 0.5 * maker.size[1]]), told))
-    alt = words("alt.plate", count=len(panels))
-    alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in panels)
+        panels += maker.panels(k, caption, np.array([x, float(tops[k // columns]) + 0.5 * maker.size[1]]), told)
+    own = [panel for panel in panels if panel.line is None]
+    alt = words("alt.plate", count=len(own))
+    alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in own)
     key = (words(f"map.{request.mapped}"), "0", top) if request.mapped else ()
     return PlatePage((request.width, float(tops[-1]) - GUTTER), maker.size, tuple(panels), alt, key, full)
+
+
+def checked_texts(request: PlateRequest, captions: Sequence[str], words: PlateWords, font: PlateFont) -> None:
+    """Refuse texts that the font cannot write.
+
+    Parameters
+    ----------
+    request
+        What is to be on the plate.
+    captions
+        Its captions.
+    words
+        What it says.
+    font
+        Its font.
+
+    Raises
+    ------
+    RefusedError
+        If the font lacks a character.
+    """
+    notes = [each.text for each in request.annotations]
+    font.check([*captions, *request.landmarks, *notes, *(words(key) for key in _LABELS)])
 
 
 def _check_section(request: PlateRequest) -> None:
@@ -150,7 +179,8 @@ def _captions(request: PlateRequest, words: PlateWords) -> list[str]:
     for index, (row, k) in enumerate(request.panels):
         step, title = request.rows[row].steps[k], request.rows[row].title
         said = words(f"step.{step.kind}", time=f"{step.time:g}")
-        captions.append(request.captions.get(index) or (f"{title}: {said}" if title else said))
+        written = request.captions.get(index) or (step.panel.caption if step.panel is not None else "")
+        captions.append(written or (f"{title}: {said}" if title else said))
     return captions
 
 
@@ -177,7 +207,7 @@ def _full_scale(request: PlateRequest) -> tuple[float, str]:
 
 def _columns(request: PlateRequest) -> tuple[int, float]:
     """Panels in a row and the width of one in mm; of several procedures each has a row."""
-    counts = [len(row.steps) for row in request.rows]
+    counts = [sum(not row.is_inset(k) for k in range(len(row.steps))) for row in request.rows]
     most = max(int((request.width + GUTTER) // (_PANEL + GUTTER)), 1)
     own = _even(counts, most)
     columns = request.columns or own

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from string import ascii_uppercase
 
 import numpy as np
@@ -11,11 +11,22 @@ from numpy.typing import NDArray
 from shapely import LineString
 
 from lappet.drawing.section_plane import SectionPlane
+from lappet.plates.annotations import AnnotationDrawer, DrawnAnnotations
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import AreaKind
+from lappet.plates.ghost_outline import ghost_outline
+from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
 from lappet.plates.measures import Measure, plan_measures
-from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, PanelDrawing, label_sites, panel_drawing
+from lappet.plates.panel_camera import with_camera
+from lappet.plates.panel_drawing import (
+    AREA_LABELS,
+    SECTION_LABELS,
+    PanelDrawing,
+    clipped,
+    label_sites,
+    panel_drawing,
+)
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene
@@ -23,6 +34,7 @@ from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
 from lappet.plates.plate_style import POINT, PlateStyle
 from lappet.plates.plate_words import PlateWords
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
+from lappet.plates.skin_anchors import SkinAnchors
 
 LABEL_SIZE = 7.0 * POINT  # the least that publishers print
 LINE = 1.2  # times the size of a text
@@ -59,6 +71,13 @@ class PagePanel:
         Length of the scale bar in mm of tissue, 0 for none.
     goes_on
         Whether skin is drawn where a cut-out of skin ends.
+    size
+        Its width and height in mm.
+    notes
+        The plate's annotations on it.
+    line
+        Of an inset, the line from its frame to what it shows in its panel, on the page in mm, shape (2, 2); none of a
+        panel that has a place of its own.
     """
 
     letter: str
@@ -71,6 +90,9 @@ class PagePanel:
     measures: tuple[Measure, ...]
     bar: float
     goes_on: bool
+    size: tuple[float, float]
+    notes: DrawnAnnotations
+    line: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +122,10 @@ class PanelMaker:
     font: PlateFont
     size: tuple[float, float]
 
-    def panel(self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: set[str]) -> PagePanel:
-        """Make a panel.
+    def panels(
+        self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: set[str]
+    ) -> list[PagePanel]:
+        """Make a panel and what stands in its corners.
 
         Parameters
         ----------
@@ -116,8 +140,8 @@ class PanelMaker:
 
         Returns
         -------
-        PagePanel
-            The panel.
+        list[PagePanel]
+            The panel, then its insets.
 
         Raises
         ------
@@ -125,28 +149,92 @@ class PanelMaker:
             If it has too many labels or one that is too wide.
         """
         request, (row, k) = self.request, self.request.panels[index]
-        scene, steps = self.scenes[row], request.rows[row].steps
-        step = steps[k]
+        steps = request.rows[row].steps
+        step, letter = steps[k], ascii_uppercase[index] if index < len(ascii_uppercase) else ""
+        scene = self._scene(row, step, self.size)
         cut = None if request.section is None else SectionPlane.of(request.section)
         drawing, areas = self._drawing(scene, steps, k, cut)
-        letter = ascii_uppercase[index]
+        insets = request.rows[row].insets(k)
+        places = inset_places(len(insets), self.size, _taken(drawing))
+        drawing = uncovered(drawing, places)
+        notes = self._notes(scene, steps, k, drawing) if areas is AREA_LABELS else DrawnAnnotations()
         sites = label_sites(drawing, areas) if request.labels else {}
-        fresh = {key: site for key, site in sites.items() if key not in told}
+        fresh = {key: site for key, site in sites.items() if key not in told and _free(site, places)}
         told.update(fresh)
-        named = [(self.words(key), site) for key, site in fresh.items()]
+        named = [(self.words(key), site) for key, site in fresh.items()] + notes.named
         if areas is AREA_LABELS:
             named += _landmarks(scene, drawing, request.landmarks, self.size)
         measures: list[Measure] = []
         if step.kind in _PLANS and request.measures:
             letters = [each.at for each in drawing.letters]
             measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+        under = [each.at + _UNDER_TEXT for each in (*measures, *notes.measures)]
+        taken = np.vstack([_taken(drawing), *under, *(_filling(place) for place in places)])
         widths = [self.font.width(text, LABEL_SIZE) for text, _ in named]
-        taken = np.vstack([_taken(drawing), *(each.at + _UNDER_TEXT for each in measures)])
         labels = place_labels(named, widths, self.size, LINE * LABEL_SIZE, taken, letter)
-        fitting = [each for each in _BARS if each * drawing.projection.scale <= 0.3 * self.size[0]]
-        bar = max(fitting, default=0.0) if index == 0 else 0.0
+        own_scale = step.panel is not None and step.panel.at is not None
         goes_on = scene.goes_on and areas is AREA_LABELS
-        return PagePanel(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures), bar, goes_on)
+        host = PagePanel(
+            *(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures)),
+            *(self.bar(drawing, self.size) if index == 0 or own_scale else 0.0, goes_on, self.size, notes),
+        )
+        return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
+
+    def _inset(self, row: int, step: PlateStep, place: InsetPlace, host: PagePanel) -> PagePanel:
+        """A panel in the corner of another."""
+        scene = self._scene(row, step, place.size)
+        request = self.request
+        held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
+        drawing = panel_drawing(scene, step.time, place.size, self.style, (), False, held, request.mapped)
+        notes = DrawnAnnotations()
+        if step.panel is not None:
+            own = [each for each in request.annotations if step.panel.name in each.panels]
+            notes = AnnotationDrawer(scene, drawing, step.panel.name, ()).draw(own)
+        site = None
+        if step.panel is not None and step.panel.at is not None:
+            at, _ = SkinAnchors(scene.source).at(np.array([step.panel.at]), host.step.time, last_place=True)
+            site = host.drawing.projection.paper(at)[0][0]
+        line = None if site is None else host.middle + np.stack([place.outline_towards(site), site])
+        middle = host.middle + place.middle
+        bar = self.bar(drawing, place.size)
+        return PagePanel(
+            *("", step, scene, (), middle, drawing, (), (), bar, scene.goes_on, place.size, notes),
+            line if line is not None else np.zeros((0, 2)),
+        )
+
+    def _scene(self, row: int, step: PlateStep, size: tuple[float, float]) -> PlateScene:
+        """The procedure before a panel's camera."""
+        panel = step.panel
+        scene = self.scenes[row]
+        return scene if panel is None else with_camera(scene, panel, step.time, size)
+
+    def _notes(
+        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, drawing: PanelDrawing
+    ) -> DrawnAnnotations:
+        """The plate's annotations on a panel."""
+        step = steps[index]
+        after = [each.time for each in steps[index + 1 :] if each.panel is None or not each.panel.inset_of]
+        end = next((time for time in after if time > step.time), step.time)
+        later = tuple(time for time in scene.source.frames if step.time < time <= end)
+        name = step.panel.name if step.panel is not None else ""
+        return AnnotationDrawer(scene, drawing, name, later).draw(self.request.annotations)
+
+    def bar(self, drawing: PanelDrawing, size: tuple[float, float]) -> float:
+        """Choose the length of a panel's scale bar.
+
+        Parameters
+        ----------
+        drawing
+            The panel's drawing.
+        size
+            Its width and height in mm.
+
+        Returns
+        -------
+        float
+            The length in mm of tissue, 0 where none fits.
+        """
+        return max((each for each in _BARS if each * drawing.projection.scale <= 0.3 * size[0]), default=0.0)
 
     def _drawing(
         self, scene: PlateScene, steps: Sequence[PlateStep], index: int, cut: SectionPlane | None
@@ -162,6 +250,9 @@ class PanelMaker:
         drawing = panel_drawing(
             scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more
         )
+        if step.ghost is not None:
+            ghost = clipped(ghost_outline(scene, step.ghost, self.size), self.size)
+            drawing = replace(drawing, strokes=(*drawing.strokes, *ghost))
         return drawing, AREA_LABELS
 
 
@@ -200,3 +291,15 @@ def _taken(drawing: PanelDrawing) -> NDArray[np.float64]:
     found += [np.array(line.coords) for line in own]
     found += [letter.at[None] for letter in drawing.letters]
     return np.vstack(found)
+
+
+def _free(sites: NDArray[np.float64], places: Sequence[InsetPlace]) -> bool:
+    """Whether a label has somewhere to lead to that no inset covers."""
+    return not all(any(place.covers(site) for place in places) for site in np.atleast_2d(sites))
+
+
+def _filling(place: InsetPlace) -> NDArray[np.float64]:
+    """Places all over an inset, which labels should leave free."""
+    across = [np.arange(-0.5 * each, 0.5 * each + 0.1, 1.0) for each in place.size]
+    x, y = np.meshgrid(*across)
+    return place.middle + np.stack([x.ravel(), y.ravel()], axis=1)

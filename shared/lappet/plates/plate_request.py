@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.plate_steps import PlateStep
+from lappet.procedure.plate import PlateAnnotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +27,40 @@ class PlateRow:
     source: SkinCache
     steps: tuple[PlateStep, ...]
     title: str = ""
+
+    def is_inset(self, index: int) -> bool:
+        """Tell whether a panel stands in the corner of another.
+
+        Parameters
+        ----------
+        index
+            Its index among the steps.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
+        panel = self.steps[index].panel
+        return panel is not None and bool(panel.inset_of)
+
+    def insets(self, index: int) -> list[PlateStep]:
+        """List the panels that stand in the corners of a panel.
+
+        Parameters
+        ----------
+        index
+            The panel's index among the steps.
+
+        Returns
+        -------
+        list[PlateStep]
+            The panels.
+        """
+        host = self.steps[index].panel
+        if host is None:
+            return []
+        return [each for each in self.steps if each.panel is not None and each.panel.inset_of == host.name]
 
 
 @dataclass(frozen=True)
@@ -54,6 +89,8 @@ class PlateRequest:
         A point in mm and a normal: all panels but that of the plan show the section there. None for no section.
     mapped
         A quantity of the skin that is mapped in color, one of `lappet.drawing.skin_source.SCALARS`, or None.
+    annotations
+        What is written and drawn besides, anchored to the tissue.
     """
 
     rows: tuple[PlateRow, ...]
@@ -69,8 +106,9 @@ class PlateRequest:
     landmarks: tuple[str, ...] = ()
     section: tuple[float, ...] | None = None
     mapped: str | None = None
+    annotations: tuple[PlateAnnotation, ...] = ()
 
     @property
     def panels(self) -> tuple[tuple[int, int], ...]:
-        """The row and the step in it of each panel, in order."""
-        return tuple((r, k) for r, row in enumerate(self.rows) for k in range(len(row.steps)))
+        """The row and the step in it of each panel that has a place of its own, in order."""
+        return tuple((r, k) for r, row in enumerate(self.rows) for k in range(len(row.steps)) if not row.is_inset(k))

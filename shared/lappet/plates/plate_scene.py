@@ -20,6 +20,7 @@ from lappet.drawing.suture_thread import SutureThread, buried_sutures
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.plates.feature_lines import FeatureLine, LineKind
 from lappet.plates.letter_anchors import Corner, cut_corners
+from lappet.plates.projection import Projection
 
 _FILL = (0.74, 0.84)  # shares of a panel's width and height that the operation takes up
 _PLAN_STEP = 0.25  # mm
@@ -56,6 +57,8 @@ class PlateScene:
         For each the index of its narrowest sector that is not excised; 0 where all are.
     axes
         Rows right and up along the skin as the picture is seen, and the skin's normal, shape (3, 3).
+    zoom
+        How many times larger than the whole operation a detail is seen.
     """
 
     source: SkinCache
@@ -70,6 +73,22 @@ class PlateScene:
     corners: tuple[Corner, ...]
     kept: tuple[int, ...]
     axes: NDArray[np.float64]
+    zoom: float = 1.0
+
+    def projection(self, size: tuple[float, float]) -> Projection:
+        """Tell how the tissue comes onto a panel.
+
+        Parameters
+        ----------
+        size
+            Width and height of the panel in mm.
+
+        Returns
+        -------
+        Projection
+            The projection.
+        """
+        return Projection(self.view, size, half_angles(size)[0] / self.zoom)
 
     @property
     def light(self) -> NDArray[np.float64]:

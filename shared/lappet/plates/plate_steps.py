@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lappet.drawing.skin_source import SkinSource, StepEvent
 from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.procedure.plate import PlatePanel
 
 _CUTS = ("Incision", "Excision", "Undermine")
 _PULLS = ("Hook", "Retractor")
@@ -55,10 +56,16 @@ class PlateStep:
         Time code of the frame.
     kind
         What it shows.
+    panel
+        What a plate of the procedure says of it, None where the program chose it.
+    ghost
+        Time code of the frame whose outlines are drawn through, or None.
     """
 
     time: float
     kind: StepKind
+    panel: PlatePanel | None = None
+    ghost: float | None = None
 
 
 def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateStep]:

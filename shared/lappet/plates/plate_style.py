@@ -85,6 +85,7 @@ _PENS = {
     LineKind.HATCHING: Pen(0.18, _INK),
     LineKind.SKIN_LINE: Pen(0.18, "#8a8478"),
     LineKind.SECTION: Pen(0.3, "#8b1e1e", (2.4, 0.9, 0.5, 0.9)),
+    LineKind.GHOST: Pen(0.25, "#5a6068", (1.2, 0.8)),
 }
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
 _EYES = {

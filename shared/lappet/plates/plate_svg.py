@@ -84,22 +84,24 @@ def _layers(
     layers = {name: _layer(name) for name in _LAYERS}
     captions = _layer("captions")
     defs = []
-    for panel in page.panels:
-        clip = drawsvg.ClipPath(id=f"panel{panel.letter}")
-        clip.append(drawsvg.Rectangle(*_round(-0.5 * np.asarray(page.panel)), *_round(page.panel)))
+    for k, panel in enumerate(page.panels):
+        tag = panel.letter or f"inset{k}"
+        clip = drawsvg.ClipPath(id=f"panel{tag}")
+        clip.append(drawsvg.Rectangle(*_round(-0.5 * np.asarray(panel.size)), *_round(panel.size)))
         defs.append(clip)
-        groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{panel.letter}") for name in _LAYERS}
+        groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}") for name in _LAYERS}
         for name in ("shading", "areas"):
-            groups[name] = drawsvg.Group(
-                transform=_at(panel.middle), id=f"{name}-{panel.letter}", clip_path=f"url(#{clip.id})"
-            )
+            groups[name] = drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}", clip_path=f"url(#{clip.id})")
         _shade(groups, panel, page, style, dpi)
         _draw_lines(groups, panel, style)
         _annotate(groups, panel, page, style, font)
         for name, group in groups.items():
             if group.children:
                 layers[name].append(group)
-        captions.append(_caption(panel, page, font))
+        if panel.line is None:
+            captions.append(_caption(panel, font))
+        else:
+            _frame(groups["measures"], panel)
     paper = [drawsvg.Rectangle(0, 0, *_round(page.size), fill="#ffffff")] if background else []
     return [*defs, *paper, *(layers[name] for name in _LAYERS if layers[name].children), captions]
 
@@ -120,7 +122,7 @@ def _round(values: Any) -> list[float]:
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
     if style.shading is Shading.FILLS and not page.key:
         if panel.goes_on:
-            corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
+            corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
         for area in panel.drawing.areas:
             groups["areas"].append(_filled(area, style))
@@ -131,7 +133,7 @@ def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, 
         buffer = io.BytesIO()
         Image.fromarray(picture).save(buffer, "PNG")
         data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
-        corner, size = _round(-0.5 * np.asarray(page.panel)), _round(page.panel)
+        corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
         groups["shading"].append(drawsvg.Image(*corner, *size, path=data, preserveAspectRatio="none"))
 
 
@@ -178,25 +180,49 @@ def _line(points: NDArray[np.float64], width: float, color: str, **more: Any) ->
 def _annotate(
     groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, font: PlateFont
 ) -> None:
-    for way in panel.drawing.arrows:
+    for way in (*panel.drawing.arrows, *panel.notes.arrows):
         _arrow(groups["arrows"], way, style.accent)
-    for measure in panel.measures:
+    for at in panel.notes.pivots:
+        _pivot(groups["arrows"], at, style.accent)
+    for measure in panel.notes.measures:  # they may lie on dark wounds
+        if len(measure.arc):
+            groups["measures"].append(_line(measure.arc, 2.0 * _FINE + 0.25, _HALO))
+    for measure in (*panel.measures, *panel.notes.measures):
         if len(measure.arc):
             groups["measures"].append(_line(measure.arc, _FINE, _INK))
         groups["measures"].append(_text(measure.text, measure.at, LABEL_SIZE, font, "middle"))
     for letter in panel.drawing.letters:
         groups["letters"].append(_text(letter.text, letter.at, _LETTER_SIZE, font, "middle", style="italic"))
-    for label in panel.labels:
+    for label in (*panel.labels, *panel.notes.placed):
         groups["labels"].append(_line(np.stack([label.port, label.site]), 1.6 * _FINE + 0.25, _HALO))
         groups["labels"].append(_line(np.stack([label.port, label.site]), _FINE, _INK))
         groups["labels"].append(drawsvg.Circle(*_round(label.site), _SITE, fill=_INK))
         gap = 0.4 * LINE * LABEL_SIZE * (-1.0 if label.left else 1.0)
         at = label.port + np.array([gap, 0.0])
         groups["labels"].append(_text(label.text, at, LABEL_SIZE, font, "end" if label.left else "start"))
-    if page.key and panel is page.panels[-1]:
+    if page.key and panel is [each for each in page.panels if each.line is None][-1]:
         _key(groups["measures"], page, font)
     if panel.bar:
-        _bar(groups["measures"], panel, page, font)
+        _bar(groups["measures"], panel, font)
+
+
+def _frame(group: drawsvg.Group, panel: PagePanel) -> None:
+    """The frame of an inset and the line to what it shows; coordinates are from the inset's middle."""
+    corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
+    if panel.line is not None and len(panel.line):
+        way = panel.line - panel.middle
+        group.append(_line(way, 1.6 * _FINE + 0.25, _HALO))
+        group.append(_line(way, _FINE, _INK))
+        group.append(drawsvg.Circle(*_round(way[-1]), _SITE, fill=_INK))
+    group.append(drawsvg.Rectangle(*corner, *size, fill="none", stroke=_HALO, stroke_width=1.2))
+    group.append(drawsvg.Rectangle(*corner, *size, fill="none", stroke=_INK, stroke_width=round(_FINE, _DIGITS)))
+
+
+def _pivot(group: drawsvg.Group, at: NDArray[np.float64], color: str) -> None:
+    """The point about which a flap turns: a dot in a ring."""
+    group.append(drawsvg.Circle(*_round(at), 1.3, fill="none", stroke=_HALO, stroke_width=0.9))
+    group.append(drawsvg.Circle(*_round(at), 1.3, fill="none", stroke=color, stroke_width=0.4))
+    group.append(drawsvg.Circle(*_round(at), 0.45, fill=color))
 
 
 def _arrow(group: drawsvg.Group, way: NDArray[np.float64], color: str) -> None:
@@ -215,9 +241,9 @@ def _arrow(group: drawsvg.Group, way: NDArray[np.float64], color: str) -> None:
     group.append(drawsvg.Lines(*_round(head), close=True, fill=color))
 
 
-def _bar(group: drawsvg.Group, panel: PagePanel, page: PlatePage, font: PlateFont) -> None:
+def _bar(group: drawsvg.Group, panel: PagePanel, font: PlateFont) -> None:
     length = panel.bar * panel.drawing.projection.scale
-    right, bottom = 0.5 * page.panel[0] - 1.5, 0.5 * page.panel[1] - 1.5
+    right, bottom = 0.5 * panel.size[0] - 1.5, 0.5 * panel.size[1] - 1.5
     bar = np.array([[right - length, bottom], [right, bottom]])
     group.append(_line(bar, 1.0, _HALO))
     group.append(_line(bar, 0.5, _INK))
@@ -240,12 +266,13 @@ def _key(group: drawsvg.Group, page: PlatePage, font: PlateFont) -> None:
     group.append(_text(top, np.array([left + width, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "end"))
 
 
-def _caption(panel: PagePanel, page: PlatePage, font: PlateFont) -> drawsvg.Group:
+def _caption(panel: PagePanel, font: PlateFont) -> drawsvg.Group:
     group = drawsvg.Group(id=f"caption-{panel.letter}")
-    left = panel.middle[0] - 0.5 * page.panel[0]
-    top = panel.middle[1] + 0.5 * page.panel[1] + 1.5 + 0.5 * LINE * CAPTION_SIZE
-    indent = font.width("M", CAPTION_SIZE) + 1.5
-    group.append(_text(panel.letter, np.array([left, top]), CAPTION_SIZE, font, "start", halo=False, weight="bold"))
+    left = panel.middle[0] - 0.5 * panel.size[0]
+    top = panel.middle[1] + 0.5 * panel.size[1] + 1.5 + 0.5 * LINE * CAPTION_SIZE
+    indent = font.width("M", CAPTION_SIZE) + 1.5 if panel.letter else 1.5
+    if panel.letter:
+        group.append(_text(panel.letter, np.array([left, top]), CAPTION_SIZE, font, "start", halo=False, weight="bold"))
     for k, line in enumerate(panel.caption):
         at = np.array([left + indent, top + k * LINE * CAPTION_SIZE])
         group.append(_text(line, at, CAPTION_SIZE, font, "start", halo=False))

@@ -24,6 +24,8 @@ class ScreenTriangles:
         Side of a cell in mm.
     behind
         Whether to take those that face away from the camera instead.
+    frame
+        Half the width and height in mm beside which nothing is looked for; None: everywhere.
     """
 
     def __init__(
@@ -33,17 +35,23 @@ class ScreenTriangles:
         triangles: NDArray[np.integer],
         cell: float,
         behind: bool = False,
+        frame: tuple[float, float] | None = None,
     ) -> None:
         corners = paper[triangles]
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
         # y runs downwards. Of a closed surface what faces the camera is nearest.
         kept = area > 1e-12 if behind else area < -1e-12
+        if frame is not None:  # a close-up: what lies beside it is not looked at
+            reach = np.asarray(frame)
+            kept &= ((corners.min(axis=1) < reach) & (corners.max(axis=1) > -reach)).all(axis=1)
         self.ids = np.flatnonzero(kept)
         self._origin, self._first, self._second = corners[kept, 0], first[kept], second[kept]
         self._area = area[kept]
         self._inverse = 1.0 / depth[triangles[kept]]  # linear on the paper
         low, high = corners[kept].min(axis=1), corners[kept].max(axis=1)
+        if frame is not None:
+            low, high = np.maximum(low, -reach), np.minimum(high, reach)
         self._low = low.min(axis=0) if len(low) else np.zeros(2)
         self._cell = cell
         begin, end = self._cell_of(low), self._cell_of(high)

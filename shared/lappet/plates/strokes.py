@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,7 +59,7 @@ def visible_strokes(
         What is seen of each, in the same order.
     """
     strokes = []
-    for line in lines:
+    for line in (part for whole in lines for part in _near(whole, projection)):
         samples = _sampled(line.points, projection)
         if len(samples) < 2:
             continue
@@ -72,6 +72,18 @@ def visible_strokes(
             stroke = _smoothed(stroke) if smooth else stroke
             strokes.append(Stroke(line.kind, np.array(LineString(stroke).simplify(_TOLERANCE).coords)))
     return strokes
+
+
+def _near(line: FeatureLine, projection: Projection) -> list[FeatureLine]:
+    """The parts of a line whose pieces come near the panel; in a close-up most of a line lies far beside it."""
+    paper, _ = projection.paper(line.points)
+    reach = np.asarray(projection.size)
+    low, high = np.minimum(paper[:-1], paper[1:]), np.maximum(paper[:-1], paper[1:])
+    near = ((low < reach) & (high > -reach)).all(axis=1)
+    if near.all():
+        return [line]
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], near, [False]])))
+    return [replace(line, points=line.points[a : b + 1]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _sampled(points: NDArray[np.float64], projection: Projection) -> NDArray[np.float64]:

@@ -22,6 +22,15 @@ from lappet.procedure.events import (
 )
 from lappet.procedure.exact_values import Point
 from lappet.procedure.laid_flap import FlapLines, LaidFlap
+from lappet.procedure.plate import (
+    ANNOTATION_ANCHORS,
+    PANEL_STEPS,
+    PLATE_STYLES,
+    PLATE_VIEWS,
+    Plate,
+    PlateAnnotation,
+    PlatePanel,
+)
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
@@ -38,12 +47,16 @@ from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region
 from lappet.procedure.vessel import VESSEL_KINDS, Vessel, VesselKind
 
 __all__ = [
+    "ANNOTATION_ANCHORS",
     "CUTS",
     "DEFAULT_SKIN",
     "HOLDS",
     "LOADS",
     "MEASURES",
     "MODELS",
+    "PANEL_STEPS",
+    "PLATE_STYLES",
+    "PLATE_VIEWS",
     "POSITIONS",
     "SCENERY_KINDS",
     "SKIN_LAYER",
@@ -58,6 +71,9 @@ __all__ = [
     "LaidFlap",
     "Landmark",
     "Material",
+    "Plate",
+    "PlateAnnotation",
+    "PlatePanel",
     "Point",
     "Pressure",
     "Procedure",

@@ -6,7 +6,7 @@ from collections import Counter
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, SCENERY, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, PLATES, SCENERY, SKIN_LINES, TIMELINE, TISSUE
 from lappet.procedure.procedure import Procedure
 
 
@@ -30,6 +30,8 @@ def name_problems(procedure: Procedure) -> list[Problem]:
         (SKIN_LINES, "skin line", [line.name for line in procedure.skin_lines]),
         (ANATOMY, "vessel", [vessel.name for vessel in procedure.vessels]),
         (FLAPS, "flap", [flap.name for flap in procedure.flaps]),
+        (PLATES, "plate", [plate.name for plate in procedure.plates]),
+        *_of_plates(procedure),
         (SCENERY, "scenery", [each.name for each in procedure.scenery]),
         (TISSUE, "face subset", list(procedure.tissue.subsets)),
     ]
@@ -56,3 +58,13 @@ def name_problems(procedure: Procedure) -> list[Problem]:
         elif times > 1 or name in regions:
             problems.append(problem(ProblemCode.ROLLER_SUBSET_TWICE, prim, name))
     return problems
+
+
+def _of_plates(procedure: Procedure) -> list[tuple[str, str, list[str]]]:
+    """The places of panels and annotations, and the names there."""
+    places = []
+    for plate in procedure.plates:
+        places.append((f"{PLATES}/{plate.name}/Panels", "panel", [panel.name for panel in plate.panels]))
+        names = [each.name for each in plate.annotations]
+        places.append((f"{PLATES}/{plate.name}/Annotations", "annotation", names))
+    return places

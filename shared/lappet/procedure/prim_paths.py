@@ -20,6 +20,7 @@ SKIN_LINES = f"{ROOT}/SkinLines"
 ANATOMY = f"{ROOT}/Anatomy"
 SCENERY = f"{ROOT}/Scenery"
 FLAPS = f"{ROOT}/Flaps"
+PLATES = f"{ROOT}/Plates"
 
 
 TIMELINE = f"{ROOT}/Timeline"

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
 from lappet.procedure.laid_flap import LaidFlap
+from lappet.procedure.plate import Plate
 from lappet.procedure.scenery import Scenery
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
@@ -50,6 +51,8 @@ class Procedure:
         Meshes that are shown around the tissue and not solved.
     flaps
         What of the events the flap library made, and how; they act without it.
+    plates
+        Pages of drawings for print; they do not act.
 
     Examples
     --------
@@ -72,6 +75,7 @@ class Procedure:
     vessels: tuple[Vessel, ...] = ()
     scenery: tuple[Scenery, ...] = ()
     flaps: tuple[LaidFlap, ...] = ()
+    plates: tuple[Plate, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -170,6 +174,7 @@ class Procedure:
             and self.vessels == other.vessels
             and self.scenery == other.scenery
             and self.flaps == other.flaps
+            and self.plates == other.plates
             and self.tissue == other.tissue
         )
 

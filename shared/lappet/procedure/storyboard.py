@@ -15,6 +15,7 @@ from lappet.procedure.event_text import describe, duration_text
 from lappet.procedure.events import Event, Landmark, begins, kind_words
 from lappet.procedure.laid_flap import LaidFlap
 from lappet.procedure.plain_text import number, place
+from lappet.procedure.plate import Plate
 from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
 from lappet.procedure.tissue import Material, Region
@@ -47,6 +48,7 @@ def storyboard(procedure: Procedure) -> str:
     lines += [f"  region     {_region(region)}" for region in tissue.regions]
     lines += [f"  {vessel.kind:<9}  {_vessel(vessel)}" for vessel in procedure.vessels]
     lines += [f"  flap       {_flap(flap)}" for flap in procedure.flaps]
+    lines += [f"  plate      {_plate(plate)}" for plate in procedure.plates]
     if tissue.subsets:
         held = ", ".join(f"{name} ({len(faces)})" for name, faces in tissue.subsets.items())
         lines.append(f"  faces      {held}")
@@ -171,6 +173,11 @@ def _flap(flap: LaidFlap) -> str:
     measures = ", ".join(f"{name} {number(value)}" for name, value in flap.measures)
     mirrored = ", mirrored" if flap.mirrored else ""
     return f"{flap.name}: {flap.design} at {place(flap.at)} mm, {measures}{mirrored}, {len(flap.events)} events"
+
+
+def _plate(plate: Plate) -> str:
+    panels = f"{len(plate.panels)} panels" if plate.panels else "the operation's steps"
+    return f"{plate.name}: {plate.style}, {number(plate.width)} mm wide, {panels}, {len(plate.annotations)} annotations"
 
 
 def _size(points: np.ndarray) -> str:

@@ -29,6 +29,7 @@ from lappet.procedure import (
 )
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.flap_prims import read_flap
+from lappet.usd.plate_prims import read_plates
 from lappet.usd.values import Reader
 
 PRIM_TYPES = {
@@ -41,6 +42,9 @@ PRIM_TYPES = {
     "LappetVesselAPI": "BasisCurves",
     "LappetSceneryAPI": "Mesh",
     "LappetFlapAPI": "Scope",
+    "LappetPlateAPI": "Scope",
+    "LappetPanelAPI": "Scope",
+    "LappetAnnotationAPI": "Points",
     **EVENT_PRIMS,
 }
 
@@ -88,6 +92,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         vessels=tuple(_vessel(reader, prim) for prim in found["LappetVesselAPI"]),
         scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
         flaps=tuple(read_flap(reader, prim) for prim in found["LappetFlapAPI"]),
+        plates=read_plates(reader, *(found[f"Lappet{each}API"] for each in ("Plate", "Panel", "Annotation"))),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -100,6 +105,7 @@ def _find(reader: Reader) -> dict[str, list[Any]]:
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
     found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": []}
     found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "LappetFlapAPI": [], "events": []}
+    found |= {"LappetPlateAPI": [], "LappetPanelAPI": [], "LappetAnnotationAPI": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
         for schema in schemas:

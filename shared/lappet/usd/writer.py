@@ -14,11 +14,23 @@ import numpy as np
 from lappet.core.problem import RefusedError
 from lappet.procedure import Material, Procedure, Region, Roller, SkinLine, Tissue, Vessel
 from lappet.procedure.prim_names import name_problems
-from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, ROOT, SCENERY, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import (
+    ANATOMY,
+    BONE,
+    FLAPS,
+    MATERIALS,
+    PLATES,
+    ROOT,
+    SCENERY,
+    SKIN_LINES,
+    TIMELINE,
+    TISSUE,
+)
 from lappet.procedure.vessel import VESSEL_COLORS
 from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
 from lappet.usd.flap_prims import write_flap
+from lappet.usd.plate_prims import write_plate
 
 FAMILY = "lappet"
 
@@ -85,6 +97,10 @@ def layer(procedure: Procedure, usd: Any) -> Any:
         usd.UsdGeom.Scope.Define(stage, FLAPS)
     for flap in procedure.flaps:
         write_flap(stage, usd, flap)
+    if procedure.plates:
+        usd.UsdGeom.Scope.Define(stage, PLATES)
+    for plate in procedure.plates:
+        write_plate(stage, usd, plate)
     return fresh
 
 

@@ -11,10 +11,24 @@ Radius = NDArray[np.floating] | float
 
 
 def tube_points(lines: Sequence[NDArray[np.float64]], radii: Sequence[Radius], sides: int) -> NDArray[np.float64]:
-    """The rings of all lines (k, 3), one after another: (sum of k * sides, 3).
+    """Place the rings of all lines, one after another.
 
-    radii: one a line or one a point. Every line keeps one direction of reference, the one most nearly across all of it,
-    so that rings do not twist along lines that bend in about one plane.
+    Every line keeps one direction of reference, the one most nearly across all of it, so that rings do not twist along
+    lines that bend in about one plane.
+
+    Parameters
+    ----------
+    lines
+        Their points, shape (k, 3) each.
+    radii
+        One for a line, or one for each of its points, shape (k,).
+    sides
+        How many points a ring has.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The points, shape (sum of k times sides, 3).
     """
     turn = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
     circle = np.stack([np.cos(turn), np.sin(turn)])
@@ -40,7 +54,20 @@ def tube_points(lines: Sequence[NDArray[np.float64]], radii: Sequence[Radius], s
 
 
 def tube_faces(lengths: Sequence[int], sides: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """`corners` and `starts` of tubes along lines with these numbers of points."""
+    """Join the rings of tubes and close their ends.
+
+    Parameters
+    ----------
+    lengths
+        How many points each line has.
+    sides
+        How many points a ring has.
+
+    Returns
+    -------
+    tuple[NDArray[np.int32], NDArray[np.int32]]
+        The corners of the faces, one face after another, as indices of points, and where each face starts among them.
+    """
     quads, caps = [], []
     around = np.arange(sides)
     base = 0

@@ -1,0 +1,1 @@
+"""Solved procedures for other programs: one row of `formats.py` for each format, one module for each way of writing."""

@@ -1,0 +1,138 @@
+"""The formats of `lappet export`, a row each."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.export.export_request import Exporter, ExportFunction, ExportRequest
+
+
+def _lesson() -> ExportFunction:
+    from lappet.export.lesson_file import write_lesson
+
+    return write_lesson
+
+
+def _glb() -> ExportFunction:
+    from lappet.export.glb_file import write_glb
+
+    return write_glb
+
+
+def _meshes() -> ExportFunction:
+    from lappet.export.still_mesh import write_meshes
+
+    return write_meshes
+
+
+def _table() -> ExportFunction:
+    from lappet.export.table_file import write_table_file
+
+    return write_table_file
+
+
+def _by_blender() -> ExportFunction:
+    from lappet.export.blender_file import write_by_blender
+
+    return write_by_blender
+
+
+_STILL = frozenset({"frames", "step", "every_frame"})
+
+EXPORTERS: tuple[Exporter, ...] = (
+    Exporter(
+        ".html",
+        "a lesson in one file, for a browser: it turns, plays and explains the operation without a network",
+        _lesson,
+        options=frozenset({"language", "title", "frames"}),
+        most_caches=2,
+    ),
+    Exporter(
+        ".glb",
+        "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
+        _glb,
+        options=frozenset({"frames"}),
+    ),
+    Exporter(".stl", "the tissue's surface in one frame, for printing", _meshes, options=_STILL),
+    Exporter(".obj", "the tissue's surface in one frame, with colors of its vertices", _meshes, options=_STILL),
+    Exporter(".ply", "the tissue's surface in one frame, with colors of its faces", _meshes, options=_STILL),
+    Exporter(".3mf", "the tissue's surface in one frame, for printing in colors", _meshes, options=_STILL),
+    Exporter(".csv", "forces, landmarks and lengths, a row for each frame", _table, options=frozenset({"frames"})),
+    Exporter(".abc", "Alembic, written by Blender", _by_blender, options=frozenset({"frames"})),
+    Exporter(".fbx", "FBX, written by Blender", _by_blender, options=frozenset({"frames"})),
+)
+
+
+def exporter_of(path: Path) -> Exporter:
+    """Find the format of a file by its suffix.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+
+    Returns
+    -------
+    Exporter
+        The format.
+
+    Raises
+    ------
+    RefusedError
+        If no format has the suffix.
+    """
+    suffix = path.suffix.lower()
+    for exporter in EXPORTERS:
+        if exporter.suffix == suffix:
+            return exporter
+    known = ", ".join(each.suffix for each in EXPORTERS)
+    raise refused(ProblemCode.EXPORT_SUFFIX, path, path.suffix, known=known)
+
+
+def export(request: ExportRequest) -> list[Path]:
+    """Write solved procedures in the format that the target's suffix names.
+
+    Parameters
+    ----------
+    request
+        What to export, and how.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is unknown, the place cannot be written, the format does not know an option or takes fewer
+        caches, or a cache cannot be read; nothing is written then.
+    OSError
+        If a file cannot be written.
+    """
+    exporter = exporter_of(request.target)
+    _check_place(request.target)
+    if len(request.caches) > exporter.most_caches:
+        count, most = len(request.caches), exporter.most_caches
+        raise refused(ProblemCode.EXPORT_CACHES, request.target, count, most=most, suffix=exporter.suffix)
+    for name in request.options:
+        if name not in exporter.options:
+            known = ", ".join(f"--{_spelled(each)}" for each in sorted(exporter.options)) or "none"
+            option = f"--{_spelled(name)}"
+            raise refused(ProblemCode.EXPORT_OPTION, request.target, option, suffix=exporter.suffix, known=known)
+    return exporter.load()(request)
+
+
+def _spelled(name: str) -> str:
+    return name.replace("_", "-")
+
+
+def _check_place(target: Path) -> None:
+    folder = target.absolute().parent
+    if not folder.is_dir():
+        raise refused(ProblemCode.EXPORT_FOLDER, target, folder)
+    if target.is_dir() or not os.access(folder, os.W_OK):
+        raise refused(ProblemCode.EXPORT_PLACE, target, folder)

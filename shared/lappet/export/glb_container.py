@@ -1,0 +1,168 @@
+"""A binary glTF 2.0 file: its arrays as accessors of one buffer, and the container around it.
+
+Khronos Group, glTF 2.0 Specification, 2021: 3.6.2 (accessors, sparse ones), 4 (GLB).
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FLOAT, USHORT, UINT = 5126, 5123, 5125
+VERTICES, INDICES = 34962, 34963
+_TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+
+
+class GlbContainer:
+    """The arrays of a file that is being made; `accessors` and `views` are what the file says of them."""
+
+    def __init__(self) -> None:
+        self.accessors: list[dict[str, Any]] = []
+        self.views: list[dict[str, Any]] = []
+        self._data = bytearray()
+
+    def view(self, data: bytes, target: int | None = None) -> int:
+        """Add bytes.
+
+        Parameters
+        ----------
+        data
+            The bytes.
+        target
+            `VERTICES` or `INDICES` for what goes to the graphics card.
+
+        Returns
+        -------
+        int
+            Index of their view.
+        """
+        self._data.extend(b"\0" * (-len(self._data) % 4))
+        view = {"buffer": 0, "byteOffset": len(self._data), "byteLength": len(data)}
+        self.views.append(view if target is None else {**view, "target": target})
+        self._data.extend(data)
+        return len(self.views) - 1
+
+    def floats(self, values: NDArray[np.floating], target: int | None = None, box: bool = False) -> int:
+        """Add numbers or vectors.
+
+        Parameters
+        ----------
+        values
+            Shape (n,) or (n, k).
+        target
+            As of `view`.
+        box
+            Whether the file says between which values they lie.
+
+        Returns
+        -------
+        int
+            Index of their accessor.
+        """
+        array = np.ascontiguousarray(values, np.float32)
+        return self._accessor(array, FLOAT, self.view(array.tobytes(), target), box)
+
+    def indices(self, triangles: NDArray[np.integer], count: int) -> int:
+        """Add indices of vertices.
+
+        Parameters
+        ----------
+        triangles
+            The indices.
+        count
+            How many vertices there are.
+
+        Returns
+        -------
+        int
+            Index of their accessor.
+        """
+        kind = np.uint16 if count < 65535 else np.uint32
+        array = np.ascontiguousarray(triangles.ravel(), kind)
+        return self._accessor(array, USHORT if kind is np.uint16 else UINT, self.view(array.tobytes(), INDICES), False)
+
+    def displacements(self, values: NDArray[np.floating], least: float, box: bool) -> int:
+        """Add vectors of which many may be nothing: those alone that are more, where that takes less space.
+
+        Parameters
+        ----------
+        values
+            Shape (n, 3).
+        least
+            Length up to which a vector is nothing.
+        box
+            As of `floats`.
+
+        Returns
+        -------
+        int
+            Index of their accessor.
+        """
+        array = np.ascontiguousarray(values, np.float32)
+        array = np.where(np.linalg.norm(array, axis=1, keepdims=True) > least, array, np.float32(0.0))
+        used = np.flatnonzero(array.any(axis=1))
+        short = len(array) < 65535
+        if len(used) * (12 + (2 if short else 4)) >= array.nbytes:
+            return self.floats(array, VERTICES, box)
+        index = self._accessor(array, FLOAT, None, box)
+        if len(used):
+            self.accessors[index]["sparse"] = {
+                "count": len(used),
+                "indices": {
+                    "bufferView": self.view(used.astype(np.uint16 if short else np.uint32).tobytes()),
+                    "componentType": USHORT if short else UINT,
+                },
+                "values": {"bufferView": self.view(np.ascontiguousarray(array[used]).tobytes())},
+            }
+        return index
+
+    def _accessor(self, array: NDArray[Any], kind: int, view: int | None, box: bool) -> int:
+        accessor: dict[str, Any] = {
+            "componentType": kind,
+            "count": len(array),
+            "type": _TYPES[1 if array.ndim == 1 else array.shape[1]],
+        }
+        if view is not None:
+            accessor["bufferView"] = view
+        if box:
+            rows = array.reshape(len(array), -1)
+            accessor["min"], accessor["max"] = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+    def write(self, document: dict[str, Any], path: Path) -> None:
+        """Write the file; it appears whole or not at all.
+
+        Parameters
+        ----------
+        document
+            What it says besides its arrays.
+        path
+            The file.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        data = bytes(self._data) + b"\0" * (-len(self._data) % 4)
+        said = {
+            **document,
+            "accessors": self.accessors,
+            "bufferViews": self.views,
+            "buffers": [{"byteLength": len(self._data)}],
+        }
+        text = json.dumps(said, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+        draft = path.with_name(f".{path.name}.part")
+        try:
+            draft.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+            draft.replace(path)
+        finally:
+            draft.unlink(missing_ok=True)

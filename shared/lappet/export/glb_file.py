@@ -1,0 +1,212 @@
+"""`lappet export CACHE.usdc -o X.glb`: glTF, with a mesh for each epoch that morphs from frame to frame.
+
+Morph targets are the frames, scale switches between meshes (of what is scaled to nothing glTF says that it need not be
+drawn), and each step of the operation is an animation besides the one of all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.core.version import version
+from lappet.drawing.skin_read import SkinCache
+from lappet.drawing.skin_source import FigureError
+from lappet.drawing.surface_look import SKIN_LOOK, SurfaceLook
+from lappet.export.export_request import ExportRequest
+from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.glb_container import VERTICES, GlbContainer
+from lappet.export.grid_tile import grid_tile
+from lappet.export.moving_shape import MovingShape
+from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
+from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
+from lappet.output.named_steps import operation_steps
+
+STILL_MM = 0.002  # a vertex that a frame moves by less does not move
+STILL_NORMAL = 0.004
+WHOLE = "Operation"
+_HALF = 0.5**0.5
+
+
+def write_glb(request: ExportRequest) -> list[Path]:
+    """Write a solved procedure as binary glTF 2.0.
+
+    Parameters
+    ----------
+    request
+        The cache, the file and the option `frames`.
+
+    Returns
+    -------
+    list[Path]
+        The file.
+
+    Raises
+    ------
+    RefusedError
+        If the cache cannot be read or shown, or has no such frame.
+    OSError
+        If the file cannot be written.
+    """
+    cache = exported_cache(request.caches[0], request.limits)
+    frames = chosen_frames(cache, request.options.get("frames"))
+    try:
+        shapes = skin_shapes(cache, frames)
+        bed = bed_shape(cache, frames)
+        shapes += [bed] if bed else []
+        shapes += instrument_shapes(cache, frames) + vessel_shapes(cache, frames)
+        shapes += scenery_shapes(cache, frames)
+        spans = named_spans(cache, frames)
+    except FigureError as error:
+        raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error
+    _GlbDocument(frames, cache.fps, cache.path.stem).write(shapes, spans, request.target)
+    return [request.target]
+
+
+def named_spans(cache: SkinCache, frames: Sequence[float]) -> list[tuple[str, tuple[float, ...]]]:
+    """Divide frames into the steps of the operation, each from the end of the one before it on.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    frames
+        Time codes, ascending.
+
+    Returns
+    -------
+    list[tuple[str, tuple[float, ...]]]
+        The name of each step that has frames, numbered, and its frames; before them all frames as `WHOLE`.
+    """
+    spans = [(WHOLE, tuple(frames))]
+    begin = cache.frames[0]
+    for number, step in enumerate(operation_steps(cache), start=1):
+        own = tuple(time for time in frames if begin <= time <= step.frame)
+        if own:
+            spans.append((f"{number} {step.caption}", own))
+        begin = step.frame
+    return spans
+
+
+class _GlbDocument:
+    """A file that is being made. Every mesh is, as long as no animation plays, as in its last frame."""
+
+    def __init__(self, frames: tuple[float, ...], fps: float, title: str) -> None:
+        self._frames, self._fps, self._title = frames, fps, title
+        self._container = GlbContainer()
+        self._materials: dict[str, int] = {}
+        self._looks: list[dict[str, Any]] = []
+        self._images: list[dict[str, Any]] = []
+
+    def write(self, shapes: Sequence[MovingShape], spans: Sequence[tuple[str, tuple[float, ...]]], path: Path) -> None:
+        meshes = [self._mesh(shape) for shape in shapes]
+        nodes: list[dict[str, Any]] = [
+            {
+                "name": self._title,
+                "rotation": [-_HALF, 0.0, 0.0, _HALF],  # Z up to Y up
+                "scale": [0.001] * 3,  # millimetres to metres
+                "children": list(range(1, len(shapes) + 1)),
+            }
+        ]
+        for number, shape in enumerate(shapes):
+            node: dict[str, Any] = {"name": shape.name, "mesh": number}
+            nodes.append(node if self._frames[-1] in shape.frames else {**node, "scale": [0.0] * 3})
+        animations = [self._animation(name, own, shapes) for name, own in spans]
+        document: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": f"Lappet {version()}"},
+            "scene": 0,
+            "scenes": [{"name": self._title, "nodes": [0]}],
+            "nodes": nodes,
+            "meshes": meshes,
+            "materials": self._looks,
+            "animations": [each for each in animations if each["channels"]],
+        }
+        if not document["animations"]:
+            del document["animations"]
+        if self._images:
+            document["images"], document["textures"] = self._images, [{"source": 0, "sampler": 0}]
+            document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}]
+        self._container.write(document, path)
+
+    def _mesh(self, shape: MovingShape) -> dict[str, Any]:
+        put = self._container
+        base, normals = shape.positions[-1], shape.normals[-1]
+        attributes = {"POSITION": put.floats(base, VERTICES, True), "NORMAL": put.floats(normals, VERTICES)}
+        printed = {**attributes, "TEXCOORD_0": put.floats(shape.grid, VERTICES)} if shape.grid is not None else None
+        targets = [
+            {
+                "POSITION": put.displacements(points - base, STILL_MM, True),
+                "NORMAL": put.displacements(shading - normals, STILL_NORMAL, False),
+            }
+            for points, shading in zip(shape.positions[:-1], shape.normals[:-1], strict=True)
+            if self._moves(shape)
+        ]
+        primitives = []
+        for look, triangles in shape.parts:
+            if len(triangles):
+                with_grid = look is SKIN_LOOK and printed is not None
+                primitive: dict[str, Any] = {
+                    "attributes": printed if with_grid else attributes,
+                    "indices": put.indices(triangles, len(base)),
+                    "material": self._material(look, with_grid),
+                }
+                primitives.append({**primitive, "targets": targets} if targets else primitive)
+        mesh: dict[str, Any] = {"name": shape.name, "primitives": primitives}
+        if targets:
+            mesh["weights"] = [0.0] * len(targets)
+            mesh["extras"] = {"targetNames": [f"frame {time:g}" for time in shape.frames[:-1]]}
+        return mesh
+
+    @staticmethod
+    def _moves(shape: MovingShape) -> bool:
+        return bool((shape.positions != shape.positions[-1]).any())
+
+    def _material(self, look: SurfaceLook, printed: bool) -> int:
+        name = f"{look.title} with grid" if printed else look.title
+        if name not in self._materials:
+            surface: dict[str, Any] = {
+                "baseColorFactor": [*(round(each, 5) for each in look.color), 1.0],
+                "metallicFactor": look.metallic,
+                "roughnessFactor": look.roughness,
+            }
+            if printed:
+                self._images.append({"bufferView": self._container.view(grid_tile()), "mimeType": "image/png"})
+                surface["baseColorTexture"] = {"index": 0}
+            self._materials[name] = len(self._looks)
+            self._looks.append({"name": name, "pbrMetallicRoughness": surface})
+        return self._materials[name]
+
+    def _animation(self, name: str, frames: tuple[float, ...], shapes: Sequence[MovingShape]) -> dict[str, Any]:
+        samplers: list[dict[str, Any]] = []
+        channels: list[dict[str, Any]] = []
+        inputs: dict[tuple[float, ...], int] = {}
+
+        def add(node: int, path: str, times: tuple[float, ...], values: Any, interpolation: str) -> None:
+            if times not in inputs:
+                seconds = (np.array(times) - frames[0]) / self._fps
+                inputs[times] = self._container.floats(seconds, box=True)
+            sampler = {
+                "input": inputs[times],
+                "output": self._container.floats(values),
+                "interpolation": interpolation,
+            }
+            samplers.append(sampler)
+            channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
+
+        for number, shape in enumerate(shapes, start=1):
+            own = tuple(time for time in frames if time in shape.frames)
+            if own and len(shape.frames) > 1 and self._moves(shape):
+                rows = [shape.frames.index(time) for time in own]
+                weights = np.eye(len(shape.frames))[rows, :-1]
+                add(number, "weights", own, weights.ravel(), "LINEAR")
+            if len(shape.frames) < len(self._frames):
+                shown = np.array([time in shape.frames for time in frames], np.float32)
+                changes = [0, *(k for k in range(1, len(frames)) if shown[k] != shown[k - 1])]
+                times = tuple(frames[k] for k in changes)
+                add(number, "scale", times, np.repeat(shown[changes, None], 3, axis=1), "STEP")
+        return {"name": name, "samplers": samplers, "channels": channels}

@@ -1,0 +1,50 @@
+"""The camera of a panel that is seen otherwise than the plate: from elsewhere, or cropped about a place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from lappet.drawing.framing import Viewpoint, half_angles, viewpoint
+from lappet.plates.plate_scene import PlateScene
+from lappet.plates.skin_anchors import SkinAnchors
+from lappet.procedure.plate import PlatePanel
+
+LEAST_ACROSS = 2.0  # mm: less is smaller than a cell of the lattice
+
+
+def with_camera(scene: PlateScene, panel: PlatePanel, time: float, size: tuple[float, float]) -> PlateScene:
+    """Look at a scene as a panel says.
+
+    A crop is a longer lens and not a nearer camera, so that the camera never enters the tissue.
+
+    Parameters
+    ----------
+    scene
+        The procedure before the plate's camera.
+    panel
+        The panel.
+    time
+        Time code of its frame.
+    size
+        Its width and height in mm on paper.
+
+    Returns
+    -------
+    PlateScene
+        The procedure before the panel's camera.
+    """
+    view, zoom = scene.view, scene.zoom
+    if panel.view:
+        view = viewpoint(scene.field, panel.view, half_angles(size))
+    if panel.at is not None:
+        places, _ = SkinAnchors(scene.source).at(np.array([panel.at]), time, last_place=True)
+        view = Viewpoint(places[0] + view.distance * view.axes[2], view.axes, view.distance)
+        zoom = 2.0 * half_angles(size)[0] * view.distance / panel.across
+    if view is scene.view:
+        return scene
+    right = view.axes[0] - (view.axes[0] @ scene.field.normal) * scene.field.normal
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(scene.field.normal, right), scene.field.normal])
+    return replace(scene, view=view, zoom=zoom, axes=axes)

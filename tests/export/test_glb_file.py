@@ -1,0 +1,202 @@
+"""A .glb is valid glTF, and what other readers see of it is the cache, frame by frame."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pxr import Usd
+
+import synthetic_skin_cache as synthetic
+from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
+from lappet.drawing.skin_read import SkinCache
+from lappet.export.export_request import ExportRequest
+from lappet.export.formats import export
+from lappet.geometry.closest_point import ClosestPoint
+
+CLOSE = 0.05  # mm
+VIEWER = Path(__file__).parents[2] / "viewer"
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> SkinCache:
+    return SkinCache(synthetic.write_cache(tmp_path_factory.mktemp("glb"), step=2.0))
+
+
+@pytest.fixture(scope="module")
+def glb(cache: SkinCache) -> Path:
+    (path,) = export(ExportRequest((cache.path,), cache.path.with_name("skin.glb")))
+    return path
+
+
+def document_of(path: Path) -> dict[str, Any]:
+    data = path.read_bytes()
+    length, kind = struct.unpack_from("<I4s", data, 12)
+    assert (data[:4], kind) == (b"glTF", b"JSON")
+    found: dict[str, Any] = json.loads(data[20 : 20 + length])
+    return found
+
+
+_VALIDATE = """
+import fs from "node:fs";
+import { createRequire } from "node:module";
+const validator = createRequire(process.argv[1])("gltf-validator");
+const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2])));
+console.log(JSON.stringify(report.issues));
+"""
+
+
+def test_the_validator_of_khronos_finds_nothing(glb: Path) -> None:
+    node = shutil.which("node")
+    if node is None or not (VIEWER / "node_modules" / "gltf-validator").is_dir():
+        pytest.skip("NOT VALIDATED: gltf-validator needs node and `npm ci` in viewer/ (make setup)")
+    command = [node, "--input-type=module", "-e", _VALIDATE, str(VIEWER / "package.json"), str(glb)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    assert json.loads(done.stdout)["messages"] == []
+
+
+def test_steps_are_animations_besides_the_one_of_all(glb: Path, cache: SkinCache) -> None:
+    document = document_of(glb)
+    names = [each["name"] for each in document["animations"]]
+    assert names[0] == "Operation"
+    assert [int(name.split()[0]) for name in names[1:]] == list(range(1, len(names)))
+    accessors = document["accessors"]
+    ends = [
+        max(accessors[sampler["input"]]["max"][0] for sampler in animation["samplers"])
+        for animation in document["animations"]
+    ]
+    assert ends[0] == pytest.approx((cache.frames[-1] - cache.frames[0]) / cache.fps, abs=1e-6)
+    for animation in document["animations"]:
+        assert min(accessors[sampler["input"]]["min"][0] for sampler in animation["samplers"]) == 0.0
+
+
+def test_what_a_frame_does_not_move_takes_no_space(glb: Path) -> None:
+    document = document_of(glb)
+    (skin,) = [each for each in document["meshes"] if each["name"] == "epoch_00"]
+    assert "targets" not in skin["primitives"][0]  # the skin lies still before it is cut
+    (cut,) = [each for each in document["meshes"] if each["name"] == "epoch_01"]
+    targets = [document["accessors"][each["POSITION"]] for each in cut["primitives"][0]["targets"]]
+    assert any("sparse" in each for each in targets)
+
+
+def test_trimesh_reads_the_last_frame_in_metres_with_y_up(glb: Path, cache: SkinCache) -> None:
+    import trimesh
+
+    scene = trimesh.load_scene(glb)
+    epoch = cache.epoch_at(cache.frames[-1])
+    solved = cache.positions(epoch, cache.frames[-1])
+    found = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        if epoch.name in node or epoch.name in name:
+            found.append(trimesh.transform_points(scene.geometry[name].vertices, transform))
+    points = np.unique(np.concatenate(found), axis=0) * 1000.0
+    assert both_ways(np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1), solved) < CLOSE
+
+
+def both_ways(a: np.ndarray, b: np.ndarray) -> float:
+    """The greatest distance from a point of either set to the nearest of the other."""
+    worst = 0.0
+    for one, other in ((a, b), (b, a)):
+        every = np.arange(len(other))
+        worst = max(worst, float(ClosestPoint(other.astype(float), np.stack([every] * 3, 1)).query(one)[2].max()))
+    return worst
+
+
+_IMPORT = """
+import sys
+import bpy
+import numpy as np
+
+glb, out, fps = sys.argv[1], sys.argv[2], int(sys.argv[3])
+frames = [float(each) for each in sys.argv[4].split(",")]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+scene = bpy.context.scene
+scene.render.fps = fps
+bpy.ops.import_scene.gltf(filepath=glb)
+seen = {}
+for time in frames:
+    # The importer lays second 0 on frame 0.
+    scene.frame_set(round(time - frames[0]))
+    graph = bpy.context.evaluated_depsgraph_get()
+    for each in scene.objects:
+        if each.type != "MESH":
+            continue
+        own = each.evaluated_get(graph)
+        if max(own.matrix_world.to_scale()) < 1e-9:
+            continue
+        mesh = own.to_mesh()
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        matrix = np.array(own.matrix_world)
+        seen[f"{each.name} {time:g}"] = (points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]) * 1000.0
+        own.to_mesh_clear()
+np.savez(out, materials=[each.name for each in bpy.data.materials], **seen)
+"""
+
+
+@pytest.mark.slow
+def test_blender_shows_the_right_epoch_at_every_frame_where_it_was_solved(
+    glb: Path, cache: SkinCache, tmp_path: Path
+) -> None:
+    pytest.importorskip("bpy")
+    times = ",".join(f"{time:g}" for time in cache.frames)
+    command = [sys.executable, "-c", _IMPORT, str(glb), str(tmp_path / "seen.npz"), f"{cache.fps:g}", times]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-2000:]
+    seen = np.load(tmp_path / "seen.npz")
+    assert "Skin with grid" in seen["materials"]
+    for time in cache.frames:
+        epoch = cache.epoch_at(time)
+        shown = {key.rpartition(" ")[0] for key in seen.files if key.endswith(f" {time:g}")}
+        assert {name for name in shown if name.startswith("epoch")} == {epoch.name}
+        assert ("threads" in shown) == bool(cache.sutures(time).active.any())
+        assert ("hooks" in shown) == bool(cache.hooks(time).active.any())
+        assert both_ways(seen[f"{epoch.name} {time:g}"], cache.positions(epoch, time)) < CLOSE
+
+
+def test_chosen_frames_alone_are_written(cache: SkinCache, tmp_path: Path) -> None:
+    chosen = (cache.frames[2], cache.frames[-1])
+    export(ExportRequest((cache.path,), tmp_path / "two.glb", {"frames": chosen}))
+    document = document_of(tmp_path / "two.glb")
+    (cut,) = [each for each in document["meshes"] if each["name"] == "epoch_01"]
+    assert cut["extras"]["targetNames"] == [f"frame {chosen[0]:g}"]
+    assert [each["name"] for each in document["meshes"] if each["name"].startswith("epoch")] == ["epoch_01"]
+
+
+def test_a_frame_that_the_cache_does_not_hold_is_refused_before_anything_is_written(
+    cache: SkinCache, tmp_path: Path
+) -> None:
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((cache.path,), tmp_path / "no.glb", {"frames": (99.0,)}))
+    assert [each.code for each in refusal.value.problems] == [ProblemCode.EXPORT_FRAME]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cache_without_its_procedure_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    below = tmp_path / "below"
+    below.mkdir()
+    moved = below / "skin.usdc"
+    stage = Usd.Stage.CreateNew(str(moved))
+    stage.GetRootLayer().subLayerPaths.append("./gone.usda")
+    stage.Save()
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((moved,), tmp_path / "skin.glb"))
+    assert {each.code for each in refusal.value.problems} == {ProblemCode.USD_COMPOSITION}
+    assert not (tmp_path / "skin.glb").exists()
+
+
+def test_an_unknown_suffix_is_refused_with_those_that_are_known(cache: SkinCache, tmp_path: Path) -> None:
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((cache.path,), tmp_path / "skin.dwg"))
+    (problem,) = refusal.value.problems
+    assert problem.code == ProblemCode.EXPORT_SUFFIX
+    assert ".glb" in str(problem)
