@@ -55,8 +55,9 @@ try {
     },
     // What the picture looks like: share of its pixels that differ from those of the last call.
     changed: async () => {
-      await page.waitForTimeout(400);
-      return page.evaluate(() => {
+      return page.evaluate(async () => {
+        const frame = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then, 60)));
+        for (let quiet = 0; quiet < 3; quiet = window.lappetLesson.resting() ? quiet + 1 : 0) await frame();
         const canvas = document.querySelector("canvas");
         const copy = new OffscreenCanvas(160, 120);
         const pen = copy.getContext("2d");

@@ -42,6 +42,7 @@ CONTENTS = (
             "docs/reports.md",
             "docs/plates.md",
             "docs/lessons.md",
+            "docs/export.md",
             "docs/performance.md",
         ),
     ),

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pxr import Usd
 
 import synthetic_skin_cache as synthetic
 from lappet.core.problem import RefusedError
@@ -178,3 +179,24 @@ def test_a_frame_that_the_cache_does_not_hold_is_refused_before_anything_is_writ
         export(ExportRequest((cache.path,), tmp_path / "no.glb", {"frames": (99.0,)}))
     assert [each.code for each in refusal.value.problems] == [ProblemCode.EXPORT_FRAME]
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cache_without_its_procedure_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    below = tmp_path / "below"
+    below.mkdir()
+    moved = below / "skin.usdc"
+    stage = Usd.Stage.CreateNew(str(moved))
+    stage.GetRootLayer().subLayerPaths.append("./gone.usda")
+    stage.Save()
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((moved,), tmp_path / "skin.glb"))
+    assert {each.code for each in refusal.value.problems} == {ProblemCode.USD_COMPOSITION}
+    assert not (tmp_path / "skin.glb").exists()
+
+
+def test_an_unknown_suffix_is_refused_with_those_that_are_known(cache: SkinCache, tmp_path: Path) -> None:
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((cache.path,), tmp_path / "skin.dwg"))
+    (problem,) = refusal.value.problems
+    assert problem.code == ProblemCode.EXPORT_SUFFIX
+    assert ".glb" in str(problem)

@@ -15,9 +15,10 @@ from pxr import Usd, UsdGeom, UsdShade, UsdValidation
 from lappet.anatomy.tissue_kind import KIND_COLORS
 from lappet.drawing.quantity_scale import frame_peak, full_value, ramp_linear
 from lappet.drawing.skin_read import SkinCache
-from lappet.drawing.surface_look import PLAIN_COLOR, SKIN_LOOK
+from lappet.drawing.surface_look import MUCOSA_LOOK, PLAIN_COLOR, SKIN_LOOK
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.skin_cache import write_skin_cache
+from lappet.procedure import Scenery
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.solve.solve_frames import SolveObserver, solve_program
@@ -184,6 +185,24 @@ def test_the_cache_is_one_component_and_opens_without_its_procedure(cache: Path,
     alone = tmp_path / "alone.usdc"
     alone.write_bytes(cache.read_bytes())
     assert drawn(Usd.Stage.Open(str(alone)), 6.0) == {"epoch_01", "Landmarks", "Bed", "SkinHooks", "Threads"}
+
+
+def test_what_stands_around_the_tissue_is_dressed_too_and_its_rim_is_no_cut(tmp_path: Path) -> None:
+    around = Scenery("rest", np.array([[-30.0, -20, 0], [30, -20, 0], [0, 30, 0]]), [3], [0, 1, 2])
+    own = small_procedure(scenery=(around,))
+    program = compile_program(own)
+    frames = solve_program(program, FrameStore(tmp_path / "s"), FakeSolver().connect, "fake", SolveObserver()).frames
+    write_procedure(own, tmp_path / "p.usda")
+    write_skin_cache(tmp_path / "c.usdc", tmp_path / "p.usda", own, program, [each.solved for each in frames], "key")
+    stage = looked_at(tmp_path / "c.usdc")
+    binding = UsdShade.MaterialBindingAPI(stage.GetPrimAtPath("/Procedure/Scenery/rest"))
+    assert binding.ComputeBoundMaterial()[0].GetPrim().GetName() == "Skin"
+    rim = np.flatnonzero(program.epochs[0].surface.origin == FaceOrigin.RIM)
+    colors = face_colors(stage, 0)
+    assert {colors[k] for k in rim} == {MUCOSA_LOOK.color}
+    assert "rest" in drawn(stage, 1.0)
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    assert not UsdValidation.ValidationContext(validators).Validate(stage)
 
 
 _IMPORT = """

@@ -115,6 +115,7 @@ export class LessonView {
       },
       /** The positions that are on the screen. */
       shown: (procedure = 0) => Array.from(this.stages[procedure].points()),
+      resting: () => !this.asked && !this.player.playing && this.picture.resting,
       time: () => this.player.time,
       length: () => this.player.timeline.length,
       epoch: (frame: number, procedure = 0) =>
@@ -185,7 +186,7 @@ export class LessonView {
 
   private paint(now: number): void {
     const { player } = this;
-    const moving = this.picture.draw(player.time, this.shown);
+    const moving = this.picture.draw(player.time, this.shown, player.playing);
     this.transport.update(player.time);
     this.legend.update(this.shown.look);
     this.options.showView(this.picture.currentView);

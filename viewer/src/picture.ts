@@ -7,8 +7,19 @@ import type { Shown, Stage } from "./stage";
 import type { Timeline } from "./timeline";
 
 const FLIGHT = 0.7; // seconds from one view to another
-const SLOW = 45; // milliseconds: slower pictures are drawn with fewer pixels while they move
+const SLOW = 45; // milliseconds from picture to picture: slower ones have fewer pixels while they move
+const REST = 250; // milliseconds after which a picture rests
 const COARSEST = 0.5;
+const FINEST = 1.5; // of a resting picture without smoothed edges
+
+/** Whether no graphics processor draws, but the processor in its place: then smooth edges cost more than they give. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
 
 export class Picture {
   readonly camera = new THREE.PerspectiveCamera(20, 1, 1, 10000);
@@ -16,7 +27,10 @@ export class Picture {
   private readonly controls: OrbitControls;
   private readonly labels: Labels;
   private flight: { from: Pose; to: Pose; at: number } | null = null;
-  private sharp = 1; // share of the screen's pixels
+  private sharp = 1; // share of the screen's pixels along an edge
+  private readonly rested: number; // that of a picture that rests
+  private moved = 1; // that of one that moves
+  private drawn = 0;
   private settle = 0;
   private view: View | null = "oblique";
 
@@ -28,13 +42,16 @@ export class Picture {
     private readonly still: boolean,
     private readonly requestDraw: () => void,
   ) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const software = drawsInSoftware();
+    this.rested = software ? FINEST : 1;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, alpha: true, preserveDrawingBuffer: true });
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.02;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.shadowMap.type = software ? THREE.BasicShadowMap : THREE.PCFShadowMap;
     this.renderer.autoClear = false;
     this.camera.up.copy(upright(stages[0]));
+    this.camera.position.set(0, -100, 100); // in its own target the controls would begin with NaN, and keep it
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = !still;
     this.controls.dampingFactor = 0.12;
@@ -54,6 +71,11 @@ export class Picture {
 
   get currentView(): View | null {
     return this.view;
+  }
+
+  /** Whether nothing moves, and the picture has all its pixels. */
+  get resting(): boolean {
+    return !this.flight && this.sharp === this.rested;
   }
 
   show(view: View, at = false): void {
@@ -77,20 +99,20 @@ export class Picture {
     const angle = way.angleTo(up);
     const limited = Math.min(Math.PI - 0.02, Math.max(0.02, angle + over)) - angle;
     way.applyAxisAngle(side, limited).applyAxisAngle(up, across);
-    this.moved(way);
+    this.standAt(way);
   }
 
   zoom(factor: number): void {
     const way = this.camera.position.clone().sub(this.controls.target);
     const far = THREE.MathUtils.clamp(way.length() * factor, this.controls.minDistance, this.controls.maxDistance);
-    this.moved(way.setLength(far));
+    this.standAt(way.setLength(far));
   }
 
-  /** Draws; true while the picture is still moving by itself. */
-  draw(time: number, shown: Shown): boolean {
-    const begun = performance.now();
+  /** Draws; playing: whether another moment follows. True while the camera is still moving by itself. */
+  draw(time: number, shown: Shown, playing: boolean): boolean {
     let moving = this.fly();
     moving = this.controls.update() || moving;
+    this.adapt(moving || playing);
     this.near();
     const parts = this.parts();
     this.renderer.setScissorTest(false);
@@ -102,7 +124,6 @@ export class Picture {
       this.drawPart(stage, parts[k]);
       this.labels.place(stage, moment, this.camera, parts[k], shown);
     });
-    this.adapt(performance.now() - begun, moving);
     return moving;
   }
 
@@ -129,7 +150,7 @@ export class Picture {
     return canvas.toDataURL("image/png");
   }
 
-  private moved(way: THREE.Vector3): void {
+  private standAt(way: THREE.Vector3): void {
     this.view = null;
     this.flight = null;
     this.camera.position.copy(this.controls.target).add(way);
@@ -178,9 +199,11 @@ export class Picture {
 
   private resize(): void {
     const frame = this.canvas.parentElement!;
-    const [width, height] = [Math.max(1, frame.clientWidth), Math.max(1, frame.clientHeight)];
+    const [width, height] = [frame.clientWidth, frame.clientHeight];
+    if (width < 2 || height < 2) return; // not laid out yet: a camera without a shape would keep NaN
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) * this.sharp);
     this.renderer.setSize(width, height, false);
+    frame.querySelector(".titles")?.classList.toggle("high", width < height); // as `parts`
     const [part] = this.parts();
     setLens(this.camera, part.width / part.height);
     if (this.view) this.stand(viewPose(this.view, this.stages, this.camera));
@@ -188,15 +211,28 @@ export class Picture {
   }
 
   /** Fewer pixels while a slow picture moves, all of them when it rests. */
-  private adapt(spent: number, moving: boolean): void {
+  private adapt(moving: boolean): void {
+    const gap = performance.now() - this.drawn;
+    this.drawn += gap;
     clearTimeout(this.settle);
-    if (moving && spent > SLOW && this.sharp > COARSEST) this.setSharp(Math.max(COARSEST, 0.8 * this.sharp));
-    else if (this.sharp < 1) this.settle = window.setTimeout(() => this.setSharp(1), 250);
+    if (moving || gap < REST) {
+      if (this.sharp === this.moved && gap < 1500) {
+        if (gap > SLOW) this.moved = Math.max(COARSEST, 0.85 * this.moved);
+        else if (gap < 0.4 * SLOW) this.moved = Math.min(1, 1.04 * this.moved);
+      }
+      this.setSharp(this.moved);
+    }
+    if (moving) return;
+    this.settle = window.setTimeout(() => {
+      if (this.sharp === this.rested) return;
+      this.setSharp(this.rested);
+      this.requestDraw();
+    }, REST);
   }
 
   private setSharp(sharp: number): void {
+    if (sharp === this.sharp) return;
     this.sharp = sharp;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) * sharp);
-    this.requestDraw();
   }
 }

@@ -41,6 +41,7 @@ export class Stage {
   private readonly place: { epoch: SkinMesh; local: number }[] = [];
   private bed: { mesh: THREE.Mesh; positions: Positions; index: Uint32Array } | null = null;
   private moment = "";
+  private key!: THREE.DirectionalLight;
   private opacity = 1;
   private readonly ray = new THREE.Raycaster();
 
@@ -100,6 +101,7 @@ export class Stage {
     const moment = `${frame} ${share}`;
     if (moment !== this.moment) {
       this.moment = moment;
+      this.key.shadow.needsUpdate = true;
       const to = moves ? frame + 1 : frame;
       for (const { frames, tubes } of this.strands.values()) tubes.draw(between(frames[frame], frames[to], share));
       this.drawLips(here.epoch);
@@ -107,7 +109,9 @@ export class Stage {
     }
     for (const [name, { tubes }] of this.strands) {
       const wanted = VESSELS.includes(name) ? true : shown[name as "hooks" | "threads" | "marks"];
-      tubes.mesh.visible = wanted && tubes.mesh.geometry.attributes.position.count > 0;
+      const visible = wanted && tubes.mesh.geometry.attributes.position.count > 0;
+      if (visible !== tubes.mesh.visible) this.key.shadow.needsUpdate = true;
+      tubes.mesh.visible = visible;
     }
     this.around.visible = shown.around;
   }
@@ -181,7 +185,9 @@ export class Stage {
     const key = light(-0.85, 0.55, 1.0, 2.3);
     light(1, -0.5, 0.8, 0.65);
     light(0.35, 1.2, 0.5, 0.7);
+    this.key = key;
     key.castShadow = true;
+    key.shadow.autoUpdate = false; // only what moves casts another shadow
     key.shadow.mapSize.set(2048, 2048);
     const half = 1.35 * this.radius;
     Object.assign(key.shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 0.1 * reach, far: 2 * reach });

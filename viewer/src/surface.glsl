@@ -7,23 +7,11 @@ varying float vQuantity;
 uniform int uLook; // 0 painted, 1 grid, 2 a quantity in color
 uniform sampler2D uRamp;
 uniform sampler2D uLayers;
+uniform highp sampler3D uNoise;
 uniform float uReach; // depth in mm at the right edge of uLayers
 
-float hash(vec3 p) {
-  p = fract(p * vec3(0.1031, 0.1030, 0.0973));
-  p += dot(p, p.yxz + 33.33);
-  return fract((p.x + p.y) * p.z);
-}
-
-float noise(vec3 p) {
-  vec3 i = floor(p);
-  vec3 f = fract(p);
-  f = f * f * (3.0 - 2.0 * f);
-  return mix(mix(mix(hash(i), hash(i + vec3(1, 0, 0)), f.x), mix(hash(i + vec3(0, 1, 0)), hash(i + vec3(1, 1, 0)), f.x), f.y),
-             mix(mix(hash(i + vec3(0, 0, 1)), hash(i + vec3(1, 0, 1)), f.x), mix(hash(i + vec3(0, 1, 1)), hash(i + vec3(1, 1, 1)), f.x), f.y), f.z);
-}
-
-float layered(vec3 p) { return 0.55 * noise(p) + 0.3 * noise(2.1 * p + 7.0) + 0.15 * noise(4.3 * p + 19.0); }
+// Uneven numbers around a half, of several sizes at once; repeats every 16 units of p.
+float layered(vec3 p) { return texture(uNoise, p / 16.0).r; }
 
 // Ink of lines of a width at every multiple of a pitch, both in mm; lines finer than a pixel grow pale instead of jagged.
 float lines(float x, float pitch, float width) {
@@ -44,7 +32,7 @@ float ink() {
 vec3 painted() {
   float broad = layered(0.11 * vRest);
   float close = layered(0.55 * vRest + 31.0);
-  float pores = noise(2.6 * vRest);
+  float pores = layered(2.6 * vRest + 11.0);
   vec3 tone = mix(vec3(0.745, 0.46, 0.34), vec3(0.785, 0.51, 0.39), smoothstep(0.25, 0.75, broad));
   tone = mix(tone, vec3(0.75, 0.42, 0.34), 0.22 * smoothstep(0.45, 0.85, close));
   return tone * (0.975 + 0.05 * pores);
@@ -57,6 +45,29 @@ vec3 skin() {
   }
   vec3 tone = painted();
   return uLook == 1 ? mix(tone, vec3(0.235, 0.11, 0.085), ink()) : tone;
+}
+
+// The normal of a surface that a height in mm makes uneven (Mikkelsen 2010, "Bump mapping unparametrized surfaces").
+vec3 uneven(vec3 normal, vec3 place, float height) {
+  vec3 across = dFdx(place);
+  vec3 over = dFdy(place);
+  vec3 a = cross(over, normal);
+  vec3 b = cross(normal, across);
+  float area = dot(across, a);
+  float pixel = max(length(across), length(over));
+  float seen = 1.0 / (1.0 + 18.0 * pixel * pixel); // what is smaller than a pixel would glitter
+  vec3 slope = seen * sign(area) * (dFdx(height) * a + dFdy(height) * b);
+  return normalize(abs(area) * normal - slope);
+}
+
+// Heights in mm of moist, fibrous tissue, and of skin.
+float moist() { return 0.45 * layered(0.7 * vRest) + 0.14 * layered(2.3 * vRest + 5.0); }
+float fine() { return 0.05 * layered(1.3 * vRest); }
+
+vec3 bed() {
+  float fibers = layered(vec3(0.5, 1.7, 1.1) * vRest + 13.0);
+  vec3 tone = mix(vec3(0.47, 0.115, 0.10), vec3(0.60, 0.20, 0.15), smoothstep(0.3, 0.7, layered(0.5 * vRest)));
+  return mix(tone, vec3(0.66, 0.30, 0.22), 0.4 * smoothstep(0.55, 0.8, fibers));
 }
 
 vec3 layer(float uneven) {

@@ -16,6 +16,7 @@ from lappet.commands.completion_command import VARIABLE, add_powershell, complet
 from lappet.commands.demo_command import demo
 from lappet.commands.doctor_command import doctor
 from lappet.commands.export_command import export
+from lappet.commands.film_command import film
 from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
@@ -60,6 +61,6 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-_MAKING = (solve, follow, demo, check, inspect, render, plate, export, compare, new, models, flap, report)
+_MAKING = (solve, follow, demo, check, inspect, render, plate, film, export, compare, new, models, flap, report)
 for _command in (*_MAKING, keys, doctor, completion):
     cli.add_command(_command)

@@ -10,6 +10,7 @@ import click
 from lappet.commands.parameters import FILE, FrameList
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
+from lappet.core.problem import Problem
 from lappet.foreign.limits import ReadLimits
 
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
@@ -19,6 +20,8 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.argument("caches", type=FILE, nargs=-1, required=True)
 @click.option("-o", "--output", "target", type=FILE, required=True, help="The file to write; its suffix is its format.")
 @click.option("--frames", type=FrameList(), help="Time codes to write.  [default: all]")
+@click.option("--step", help="The step whose frame a mesh is of, by its number or its name.  [default: the last frame]")
+@click.option("--every-frame", is_flag=True, default=None, help="Write a mesh for every frame, numbered.")
 @click.option("--language", type=click.Choice(_LANGUAGES), help="Language a lesson opens in.  [default: en]")
 @click.option("--title", help="Title of a lesson.  [default: the name of the cache]")
 @reading_options
@@ -29,11 +32,19 @@ def export(
     """Write a solved procedure for other programs.
 
     .html: a lesson in one file for a browser, of one procedure or of two side by side.
+    .glb: glTF with every frame, the steps as animations.
+    .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.
+    .csv: forces, landmarks and lengths, a row for each frame.
+    .abc, .fbx: written by Blender, where bpy is installed.
     """
     with sentences(context):
         from lappet.export.export_request import ExportRequest
         from lappet.export.formats import export as write
 
         given = {name: value for name, value in options.items() if value is not None}
-        for path in write(ExportRequest(caches, target, given, limits)):
+        for path in write(ExportRequest(caches, target, given, limits, _tell)):
             click.echo(path)
+
+
+def _tell(problem: Problem) -> None:
+    click.echo(f"{problem.severity}: {problem}", err=True)

@@ -370,6 +370,10 @@ class ProblemCode(StrEnum):
     PLATE_LANDMARK = auto()
     PLATE_SECTION = auto()
     PLATE_UNKNOWN = auto()
+    FILM_SUFFIX = auto()
+    FILM_SIZE = auto()
+    FILM_SPEED = auto()
+    FILM_FAILED = auto()
     PLATE_NAMED = auto()
     PLATE_PANEL = auto()
     PLATE_INSET = auto()
@@ -584,6 +588,11 @@ class ProblemCode(StrEnum):
     EXPORT_CACHE = auto()
     EXPORT_FRAME = auto()
     EXPORT_VIEWER = auto()
+    EXPORT_STEP = auto()
+    EXPORT_TWO_CHOICES = auto()
+    EXPORT_OPEN_SURFACE = auto()
+    EXPORT_NO_BPY = auto()
+    EXPORT_BLENDER = auto()
 
     # texts/foreign.toml
     READ_KIND = auto()

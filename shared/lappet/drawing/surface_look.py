@@ -38,6 +38,14 @@ class SurfaceLook:
     roughness: float
     metallic: float = 0.0
 
+    @property
+    def display_color(self) -> tuple[int, int, int]:
+        """The color in sRGB, from 0 to 255."""
+        linear = np.array(self.color)
+        encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+        r, g, b = (round(255.0 * float(each)) for each in encoded)
+        return r, g, b
+
 
 SKIN_LOOK = SurfaceLook("Skin", "Skin", (0.757, 0.478, 0.358), 0.55)
 MUCOSA_LOOK = SurfaceLook("FreeBorder", "Free border", (0.62, 0.27, 0.24), 0.3)

@@ -7,7 +7,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from lappet.core.problem import Problem
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+
+
+def _untold(problem: Problem) -> None:
+    """Tell nobody.
+
+    Parameters
+    ----------
+    problem
+        What there would be to tell.
+    """
 
 
 @dataclass(frozen=True)
@@ -24,12 +35,15 @@ class ExportRequest:
         What the user chose, by name; each format has names of its own, and those left out have its defaults.
     limits
         What reading may take.
+    note
+        Is told what the user should know of the files.
     """
 
     caches: tuple[Path, ...]
     target: Path
     options: Mapping[str, Any] = field(default_factory=dict)
     limits: ReadLimits = DEFAULT_LIMITS
+    note: Callable[[Problem], None] = _untold
 
 
 # Writes what a request says; returns the files.

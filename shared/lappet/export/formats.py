@@ -22,6 +22,26 @@ def _glb() -> ExportFunction:
     return write_glb
 
 
+def _meshes() -> ExportFunction:
+    from lappet.export.still_mesh import write_meshes
+
+    return write_meshes
+
+
+def _table() -> ExportFunction:
+    from lappet.export.table_file import write_table_file
+
+    return write_table_file
+
+
+def _by_blender() -> ExportFunction:
+    from lappet.export.blender_file import write_by_blender
+
+    return write_by_blender
+
+
+_STILL = frozenset({"frames", "step", "every_frame"})
+
 EXPORTERS: tuple[Exporter, ...] = (
     Exporter(
         ".html",
@@ -36,6 +56,13 @@ EXPORTERS: tuple[Exporter, ...] = (
         _glb,
         options=frozenset({"frames"}),
     ),
+    Exporter(".stl", "the tissue's surface in one frame, for printing", _meshes, options=_STILL),
+    Exporter(".obj", "the tissue's surface in one frame, with colors of its vertices", _meshes, options=_STILL),
+    Exporter(".ply", "the tissue's surface in one frame, with colors of its faces", _meshes, options=_STILL),
+    Exporter(".3mf", "the tissue's surface in one frame, for printing in colors", _meshes, options=_STILL),
+    Exporter(".csv", "forces, landmarks and lengths, a row for each frame", _table, options=frozenset({"frames"})),
+    Exporter(".abc", "Alembic, written by Blender", _by_blender, options=frozenset({"frames"})),
+    Exporter(".fbx", "FBX, written by Blender", _by_blender, options=frozenset({"frames"})),
 )
 
 

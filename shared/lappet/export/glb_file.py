@@ -24,7 +24,7 @@ from lappet.export.glb_container import VERTICES, GlbContainer
 from lappet.export.grid_tile import grid_tile
 from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
-from lappet.export.moving_tubes import instrument_shapes
+from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
 from lappet.output.named_steps import operation_steps
 
 STILL_MM = 0.002  # a vertex that a frame moves by less does not move
@@ -59,7 +59,8 @@ def write_glb(request: ExportRequest) -> list[Path]:
         shapes = skin_shapes(cache, frames)
         bed = bed_shape(cache, frames)
         shapes += [bed] if bed else []
-        shapes += instrument_shapes(cache, frames) + scenery_shapes(cache, frames)
+        shapes += instrument_shapes(cache, frames) + vessel_shapes(cache, frames)
+        shapes += scenery_shapes(cache, frames)
         spans = named_spans(cache, frames)
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error

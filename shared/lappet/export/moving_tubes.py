@@ -20,8 +20,9 @@ from lappet.drawing.suture_path import THREAD_RADIUS
 from lappet.drawing.suture_thread import SutureThread, buried_sutures
 from lappet.drawing.tube_shape import tube_faces, tube_points
 from lappet.export.moving_shape import MovingShape
+from lappet.procedure.vessel import VESSEL_COLORS, VESSEL_KINDS
 
-_THREAD_SIDES, _STEEL_SIDES = 6, 10
+_THREAD_SIDES, _STEEL_SIDES, _VESSEL_SIDES = 6, 10, 12
 
 Line = tuple[NDArray[np.float64], NDArray[np.float64] | float]
 
@@ -53,6 +54,36 @@ def instrument_shapes(cache: SkinCache, frames: Sequence[float]) -> list[MovingS
     )
     shapes = [tube_shape(name, look, sides, frames, lines) for name, look, sides, lines in drawn]
     return [shape for shape in shapes if shape is not None]
+
+
+def vessel_shapes(cache: SkinCache, frames: Sequence[float]) -> list[MovingShape]:
+    """Draw vessels and nerves: a shape for each epoch, which cuts them anew, and each kind.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    frames
+        Time codes, ascending.
+
+    Returns
+    -------
+    list[MovingShape]
+        The shapes.
+    """
+    shapes = []
+    for epoch in cache.epochs:
+        own = [time for time in frames if time in epoch.frames]
+        lines = [dict(enumerate(cache.vessels(time))) for time in own]
+        for kind in VESSEL_KINDS:
+            pieces: list[dict[Any, Line]] = [
+                {k: (vessel.points, vessel.radius) for k, vessel in each.items() if vessel.kind == kind}
+                for each in lines
+            ]
+            look = SurfaceLook(kind.capitalize(), kind.capitalize(), VESSEL_COLORS[kind], 0.34)
+            shape = tube_shape(f"{kind} {epoch.name}", look, _VESSEL_SIDES, own, pieces)
+            shapes += [shape] if shape else []
+    return shapes
 
 
 def _thick(lines: Mapping[tuple[int, int], NDArray[np.float64]], radius: float) -> dict[Any, Line]:

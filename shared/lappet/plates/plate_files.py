@@ -51,7 +51,7 @@ def write_plate(
     alt: str,
     font: PlateFont,
     path: Path,
-    dpi: int,
+    dpi: float,
     profile: Path | None = None,
     transparent: bool = False,
 ) -> None:
@@ -122,7 +122,7 @@ def _typeset(
         )
 
 
-def _resolved(png: bytes, dpi: int) -> bytes:
+def _resolved(png: bytes, dpi: float) -> bytes:
     """A PNG that says how many pixels it has per inch."""
     from PIL import Image
 
@@ -131,7 +131,7 @@ def _resolved(png: bytes, dpi: int) -> bytes:
     return buffer.getvalue()
 
 
-def _tiff(png: bytes, dpi: int, profile: Path | None) -> bytes:
+def _tiff(png: bytes, dpi: float, profile: Path | None) -> bytes:
     from PIL import Image, ImageCms
 
     picture = Image.open(io.BytesIO(png)).convert("RGB")
