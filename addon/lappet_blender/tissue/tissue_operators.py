@@ -77,12 +77,15 @@ class LAPPET_OT_tissue_take_field(TissueOperator, bpy.types.Operator):
         soft_max=20.0,
     )
     selection: BoolProperty(
-        name="Selected Faces", description="Take the selected faces instead of what lies around the point"
+        name="Selected Faces",
+        description="Take the selected faces instead of what lies around the point",
+        options={"SKIP_SAVE"},
     )
     region: StringProperty(
         name="Region",
         description="Take what is marked so: a vertex group, as painted weights make it, a group of faces or a face "
         "attribute",
+        options={"SKIP_SAVE"},
     )
     resolution: FloatProperty(
         name="Resolution", description="Edges are divided down to this, in mm; 0 = the thickness", default=0.0, min=0.0
