@@ -9,6 +9,7 @@ import pytest
 from mathutils import Matrix
 
 from lappet.core.problem_code import ProblemCode
+from lappet_blender.interface.operator_base import last_refusal
 from refusals import refusal_code
 from tissue_scenes import add_mesh, read
 
@@ -70,3 +71,50 @@ def test_what_cannot_be_taken_is_refused_and_nothing_has_changed(
     assert scene.lappet.tissue.object is None
     assert len(bpy.data.objects) == objects
     assert not ball.hide_get()
+
+
+def select_cap(ball: bpy.types.Object, angle: float) -> np.ndarray:
+    """Select the faces within an angle of the top, and mark their points as a vertex group; which faces."""
+    middle = np.array([tuple(face.center) for face in ball.data.polygons])
+    inside = middle[:, 2] > 0.001 * RADIUS * np.cos(angle)
+    ball.data.polygons.foreach_set("select", inside)
+    group = ball.vertex_groups.new(name="field")
+    points = {k for face, chosen in zip(ball.data.polygons, inside, strict=True) if chosen for k in face.vertices}
+    group.add(sorted(points), 1.0, "REPLACE")
+    return inside
+
+
+@pytest.mark.parametrize("way", [{"selection": True}, {"region": "field"}])
+def test_marked_faces_become_tissue_with_a_fixed_rim_and_a_bed_in_one_step(
+    scene: bpy.types.Scene, ball: bpy.types.Object, way: dict[str, object]
+) -> None:
+    angle = 0.3
+    select_cap(ball, angle)
+    assert bpy.ops.lappet.tissue_take_field(thickness=4.0, **way) == {"FINISHED"}
+    tissue = read(scene).tissue
+    away = np.linalg.norm(tissue.points, axis=1)
+    assert away.max() == pytest.approx(RADIUS, abs=0.1)
+    assert away.min() == pytest.approx(RADIUS - 4.0, abs=0.15)
+    reach = np.arccos(tissue.points[:, 2] / away).max()
+    assert reach == pytest.approx(angle, abs=0.05)
+    assert set(tissue.subsets) == {"fixed", "bed"}
+    assert ball.hide_get()
+
+
+def test_faces_are_taken_in_edit_mode_as_they_are_selected_there(
+    scene: bpy.types.Scene, ball: bpy.types.Object
+) -> None:
+    select_cap(ball, 0.3)
+    bpy.context.view_layer.objects.active = ball
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.lappet.tissue_take_field(thickness=4.0, selection=True)
+    assert bpy.context.mode == "OBJECT"
+    assert scene.lappet.tissue.object.name == "head field"
+
+
+def test_a_whole_closed_mesh_has_no_border_to_hold(scene: bpy.types.Scene, ball: bpy.types.Object) -> None:
+    select_cap(ball, np.pi)
+    with pytest.raises(RuntimeError):
+        bpy.ops.lappet.tissue_take_field(thickness=4.0, selection=True)
+    assert [each.code for each in last_refusal()] == [ProblemCode.FACES_NO_BORDER]
+    assert scene.lappet.tissue.object is None

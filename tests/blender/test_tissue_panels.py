@@ -97,9 +97,9 @@ def said(drawn: list[Any]) -> str:
 
 
 def test_a_scene_without_tissue_offers_to_make_some(scene: bpy.types.Scene) -> None:
-    assert buttons(draw(LAPPET_PT_tissue, scene)) == ["lappet.tissue_set", "lappet.tissue_take_field"]
+    assert buttons(draw(LAPPET_PT_tissue, scene)) == ["lappet.tissue_set", *2 * ["lappet.tissue_take_field"]]
     add_box(scene)
-    button, _ = draw(LAPPET_PT_tissue, scene)
+    button, *_ = draw(LAPPET_PT_tissue, scene)
     assert button.text == "Make block the Tissue"
     draw(LAPPET_PT_materials, scene)
 

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-from ..model.mesh_values import mesh_values
+from ..model.mesh_values import GROUP, mesh_values
 from ..model.surface_border import directed_edges
 from ..model.world_matrix import world_matrix
 
+_PAINTED = 0.5  # weight from which a point of a vertex group belongs to it
 _STEEP = 0.5  # of a normal's height: below this a face is a side
 
 WHICH = (
@@ -56,6 +57,31 @@ def chosen_faces(scene: bpy.types.Scene, obj: bpy.types.Object, faces: str, whic
     if not chosen.any():
         raise refused(ProblemCode.FACES_NONE, obj.name, _CHOSEN[which], count=count)
     return chosen
+
+
+def named_faces(obj: bpy.types.Object, name: str) -> NDArray[np.bool_]:
+    """The faces (m,) of a vertex group, a group of faces or a face attribute: where it is not 0."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    mesh = obj.data
+    group = obj.vertex_groups.get(name)
+    if group is not None:
+        inside = np.array(
+            [any(g.group == group.index and g.weight >= _PAINTED for g in v.groups) for v in mesh.vertices]
+        )
+        return np.array([all(inside[k] for k in face.vertices) for face in mesh.polygons], bool)
+    attribute = mesh.attributes.get(GROUP + name) or mesh.attributes.get(name)
+    if (
+        attribute is None
+        or attribute.domain != "FACE"
+        or attribute.data_type not in ("BOOLEAN", "INT", "INT8", "FLOAT")
+    ):
+        known = [each.name for each in obj.vertex_groups]
+        known += [each.name.removeprefix(GROUP) for each in mesh.attributes if each.domain == "FACE"]
+        raise refused(ProblemCode.DESIGN_REGION_UNKNOWN, obj.name, name, known=", ".join(known) or "none")
+    values = np.zeros(len(mesh.polygons), {"BOOLEAN": bool, "FLOAT": np.float32}.get(attribute.data_type, np.int32))
+    attribute.data.foreach_get("value", values)
+    return np.asarray(values != 0)
 
 
 def _listed(name: str, count: int, faces: str) -> NDArray[np.bool_]:

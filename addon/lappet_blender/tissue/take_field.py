@@ -6,17 +6,20 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.marked_faces import marked_outline
+from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.mesh_faults import refuse_unreadable
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.mesh_file import Mesh
-from lappet.tissue.surgical_field import Disc
+from lappet.tissue.surgical_field import Disc, Outline
 from lappet.tissue.tissue_from_mesh import tissue_of_mesh
 
 from ..model.mesh_objects import mesh_object
-from ..model.mesh_values import mesh_values
+from ..model.mesh_values import MeshValues, mesh_values
 from .set_tissue import set_tissue
 
 
@@ -28,11 +31,13 @@ def take_field(
     thickness: float,
     resolution: float,
     preset: str,
+    faces: NDArray[np.bool_] | None = None,
 ) -> str:
-    """Make the scene's tissue of the skin of an object around a point.
+    """Make the scene's tissue of the skin of an object around a point, or of marked faces of it.
 
     point: mm. radius: mm along the skin. thickness: mm. resolution: mm down to which edges are divided, 0 = the
-    thickness. preset: as of `set_tissue`. Raises RefusedError before anything has changed; returns what was taken.
+    thickness. preset: as of `set_tissue`. faces: (m,), which faces are taken instead. Raises RefusedError before
+    anything has changed; returns what was taken.
     """
     scene = context.scene
     if obj.type != "MESH":
@@ -46,10 +51,12 @@ def take_field(
     tissue, report = tissue_of_mesh(
         Mesh(values.points, triangles, uv),
         thickness,
-        Disc(tuple(point), radius),
+        Disc(tuple(point), radius) if faces is None else _outline(values, faces, obj.name),
         resolution=resolution or None,
         name=obj.name,
     )
+    if obj.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
     made = mesh_object(
         scene,
         obj.users_collection[0] if obj.users_collection else scene.collection,
@@ -69,3 +76,14 @@ def take_field(
         made.select_set(True)
         layer.objects.active = made
     return f"Took the skin {report['region']}; thickness {report['thickness']}."
+
+
+def _outline(mesh: MeshValues, faces: NDArray[np.bool_], name: str) -> Outline:
+    """The border of marked faces, around what they leave out. Raises RefusedError where they are in pieces."""
+    marked_outline(mesh.points, mesh.counts, mesh.indices, faces, name)
+    triangles, _, of = triangulate(mesh.points, mesh.counts.astype(np.int64), mesh.indices.astype(np.int64))
+    loops = border_loops(triangles[faces[of]])
+    if not loops:
+        raise refused(ProblemCode.FACES_NO_BORDER, name, int(faces.sum()))
+    longest = max(loops, key=lambda loop: perimeter(mesh.points, loop))
+    return Outline(tuple((float(x), float(y), float(z)) for x, y, z in mesh.points[longest]))

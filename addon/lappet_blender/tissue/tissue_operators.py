@@ -1,13 +1,14 @@
 """Operators: make an object the tissue, and let go of it."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from lappet.tissue.presets import PRESETS
 
 from ..model.mesh_values import mesh_values
 from ..model.surface_border import open_edge_count
 from ..model.units import to_mm
+from .face_choice import chosen_faces, named_faces
 from .set_tissue import set_tissue
 from .take_field import take_field
 from .tissue_objects import named_object
@@ -53,9 +54,9 @@ class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
 
 
 class LAPPET_OT_tissue_take_field(TissueOperator, bpy.types.Operator):
-    """Make tissue of the active mesh's skin around the 3D cursor; the mesh itself stays and is hidden"""
+    """Make tissue of the active mesh's skin around the 3D cursor, or of marked faces; the mesh stays and is hidden"""
 
-    bl_label = "Take Skin Around 3D Cursor"
+    bl_label = "Take Skin"
 
     object: StringProperty(name="Object", description="Name of the object; empty = the active object")
     point: FloatVectorProperty(
@@ -75,6 +76,17 @@ class LAPPET_OT_tissue_take_field(TissueOperator, bpy.types.Operator):
         min=0.01,
         soft_max=20.0,
     )
+    selection: BoolProperty(
+        name="Selected Faces",
+        description="Take the selected faces instead of what lies around the point",
+        options={"SKIP_SAVE"},
+    )
+    region: StringProperty(
+        name="Region",
+        description="Take what is marked so: a vertex group, as painted weights make it, a group of faces or a face "
+        "attribute",
+        options={"SKIP_SAVE"},
+    )
     resolution: FloatProperty(
         name="Resolution", description="Edges are divided down to this, in mm; 0 = the thickness", default=0.0, min=0.0
     )
@@ -87,7 +99,11 @@ class LAPPET_OT_tissue_take_field(TissueOperator, bpy.types.Operator):
         obj = named_object(context, self.object)
         given = self.properties.is_property_set("point")
         point = tuple(self.point) if given else to_mm(context.scene, context.scene.cursor.location)
-        return take_field(context, obj, point, self.radius, self.thickness, self.resolution, self.preset.lower())
+        faces = named_faces(obj, self.region) if self.region and obj.type == "MESH" else None
+        if self.selection and obj.type == "MESH":
+            faces = chosen_faces(context.scene, obj, "", "SELECTED")
+        of = (point, self.radius, self.thickness, self.resolution, self.preset.lower())
+        return take_field(context, obj, *of, faces=faces)
 
 
 class LAPPET_OT_tissue_clear(OnTissue, bpy.types.Operator):

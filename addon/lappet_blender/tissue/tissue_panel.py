@@ -34,7 +34,9 @@ class LAPPET_PT_tissue(SidebarPanel, bpy.types.Panel):
             )
             label = f"Make {active.name} the Tissue" if active is not None and is_mesh else "Make Tissue"
             layout.operator("lappet.tissue_set", text=label)
-            layout.operator("lappet.tissue_take_field", icon="CURSOR")
+            layout.operator("lappet.tissue_take_field", text="Take Skin Around 3D Cursor", icon="CURSOR")
+            taken = layout.operator("lappet.tissue_take_field", text="Take Selected Skin", icon="FACESEL")
+            taken.selection = True
             return
         row = layout.row(align=True)
         row.prop(settings, "object", text="Mesh")

@@ -52,6 +52,7 @@ class ProblemCode(StrEnum):
     GROUP_EXISTS = auto()
     GROUP_ATTRIBUTE = auto()
     FACES_NONE = auto()
+    FACES_NO_BORDER = auto()
     FACES_TEXT = auto()
     FACES_RANGE = auto()
     FACES_NONE_NEAR = auto()
