@@ -60,6 +60,7 @@ FOLDERS = (
     "export",
     "bench",
     "demo",
+    "installation",
     "reports",
     "commands",
 )

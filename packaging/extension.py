@@ -26,6 +26,7 @@ from lappet_wheel import edited, metadata_folder
 from pypi_wheels import CACHE, PLATFORMS, ROOT, bundled
 
 ADDON = ROOT / "addon" / "lappet_blender"
+VIEWER = "lappet/viewer"  # the program of lessons, which the command line writes
 MANIFEST = "blender_manifest.toml"
 LEFT_OUT = ("__pycache__", "*.pyc", "tests", ".*")
 
@@ -53,13 +54,15 @@ def project_version() -> str:
 
 
 def for_extension(wheel: Path, into: Path) -> Path:
-    """Lappet's wheel without the add-on, which the zip holds beside it; its version tells what is in it.
+    """Lappet's wheel without the add-on, which the zip holds beside it, and without what only the command line uses.
 
-    Blender extracts a wheel again only when its version changes, so two builds of one version must differ in name.
+    Its version tells what is in it: Blender extracts a wheel again only when its version changes, so two builds of one
+    version must differ in name.
     """
 
     def strip(folder: Path) -> None:
-        shutil.rmtree(folder / "lappet_blender", ignore_errors=True)
+        for left_out in ("lappet_blender", VIEWER):
+            shutil.rmtree(folder / left_out, ignore_errors=True)
         metadata = metadata_folder(folder)
         digest = hashlib.sha256()
         for path in sorted(folder.rglob("*")):
@@ -71,7 +74,7 @@ def for_extension(wheel: Path, into: Path) -> Path:
         text = re.sub(r"^Version: .*$", f"Version: {told}", text, count=1, flags=re.MULTILINE)
         (metadata / "METADATA").write_text(text, encoding="utf-8")
         if (bill := metadata / "sboms" / sbom.NAME).is_file():
-            of_told = sbom.of_version(json.loads(bill.read_text(encoding="utf-8")), told)
+            of_told = sbom.of_version(sbom.without(json.loads(bill.read_text(encoding="utf-8")), VIEWER), told)
             bill.write_text(sbom.text(of_told), encoding="utf-8")
         metadata.rename(folder / f"lappet-{told}.dist-info")
 

@@ -52,9 +52,12 @@ LICENSES = {
     "libxsimd-dev": "BSD-3-Clause",
     "libzmq": "MPL-2.0",
     "libzmq3-dev": "LGPL-3.0-or-later",
+    # Of npm, in the program of lessons:
+    "three": "MIT",
     # A wheel whose metadata has no expression:
     "manifold3d": "Apache-2.0",
 }
+NPM_LOCK = Path(__file__).resolve().parent.parent / "viewer" / "package-lock.json"
 # How native files begin: ELF; Windows; macOS for one machine and for several.
 NATIVE = (b"\x7fELF", b"MZ", b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe", b"\xca\xfe\xba\xbe")
 
@@ -70,7 +73,7 @@ def of_wheel(folder: Path, libraries: list[Carried]) -> dict[str, Any]:
     """The bill of Lappet's unpacked wheel with the libraries that it carries."""
     metadata = _metadata((next(folder.glob("*.dist-info")) / "METADATA").read_text(encoding="utf-8"))
     own = _component("application", "lappet", metadata["Version"], _lappet_purl(metadata["Version"]), LICENSE)
-    return _bill(own, [_library(one, folder) for one in libraries] + _other_files(folder, libraries))
+    return _bill(own, [_library(one, folder) for one in libraries] + _other_files(folder, libraries) + _viewer(folder))
 
 
 def of_version(bill: dict[str, Any], version: str) -> dict[str, Any]:
@@ -79,6 +82,17 @@ def of_version(bill: dict[str, Any], version: str) -> dict[str, Any]:
     own = {**bill["metadata"]["component"], "bom-ref": new, "version": version, "purl": new}
     relations = [{**one, "ref": new if one["ref"] == old else one["ref"]} for one in bill["dependencies"]]
     return {**bill, "metadata": {"component": own}, "dependencies": relations}
+
+
+def without(bill: dict[str, Any], folder: str) -> dict[str, Any]:
+    """The bill of a wheel from which a folder was taken."""
+    kept = [one for one in bill["components"] if not one["bom-ref"].startswith(f"{folder}/")]
+    (relation,) = bill["dependencies"]
+    return {
+        **bill,
+        "components": kept,
+        "dependencies": [{**relation, "dependsOn": [one["bom-ref"] for one in kept]}],
+    }
 
 
 def of_extension(folder: Path, version: str) -> dict[str, Any]:
@@ -161,6 +175,24 @@ def _other_files(folder: Path, libraries: list[Carried]) -> list[dict[str, Any]]
         place = path.relative_to(folder).as_posix()
         if path.is_file() and place not in known and is_native(path.read_bytes()[:4]):
             made.append(_file(place, path.read_bytes()))
+    return made
+
+
+def _viewer(folder: Path) -> list[dict[str, Any]]:
+    """What the program of lessons is bundled with, where the wheel has it."""
+    place = "lappet/viewer/lesson.js"
+    if not (folder / place).is_file():
+        return []
+    locked = json.loads(NPM_LOCK.read_text(encoding="utf-8"))["packages"]
+    own = json.loads((NPM_LOCK.parent / "package.json").read_text(encoding="utf-8"))["dependencies"]
+    data = (folder / place).read_bytes()
+    made = []
+    for name in sorted(set(own) - {"esbuild"}):  # it bundles, and is not in the bundle
+        version = locked[f"node_modules/{name}"]["version"]
+        one = _component(
+            "library", name, version, f"pkg:npm/{name}@{version}", license_of(name), place=place, data=data
+        )
+        made.append({**one, "bom-ref": f"{place}#{name}", "description": "Bundled into the program of lessons"})
     return made
 
 

@@ -39,11 +39,13 @@ def unregister() -> None:
 def _unregister(parts: list[str]) -> list[Exception]:
     """Take parts away, the last first; an error of one does not keep the others, for half an add-on is worse."""
     utils = import_module("bpy").utils
+    # The panels are gone by then, the properties that they show are not.
+    before = {"model": [import_module(f"{__package__}.interface.redraw_windows").redraw_windows]}
     errors: list[Exception] = []
     for part in reversed(parts):
         registration = import_module(f"{__package__}.{part}.registration")
         classes = (partial(utils.unregister_class, each) for each in reversed(registration.CLASSES))
-        for step in (registration.unregister, *classes):
+        for step in (*before.get(part, ()), registration.unregister, *classes):
             try:
                 step()
             except Exception as error:

@@ -15,13 +15,13 @@ from lappet.background.kept_frames import KeptFrames
 from lappet.background.make_manifest import epoch_shapes
 from lappet.background.manifest import EpochShape, Manifest
 from lappet.background.manifest_store import get_manifest, put_manifest
-from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.problem import RefusedError
 from lappet.cutting.epochs import build_epochs
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.geometry.skin_shape import depth_below_skin, uv_scale
 from lappet.procedure import Hook, Incision, Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys

@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import synthetic_skin_cache as slit
 from lappet.background.manifest import EpochShape, ListedFrame, Manifest
-from lappet.background.skin_shape import depth_below_skin
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.geometry.skin_shape import depth_below_skin
 from lappet_blender.solving import frames
 from lappet_blender.solving.shown_frame import Shown
 from lappet_blender.solving.solve_progress import Progress

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -14,6 +15,7 @@ from lappet.drawing.quantity_scale import ramp_linear
 from lappet_blender.display import skin_display
 from lappet_blender.display.color_scale import highest_of
 from lappet_blender.display.display_collection import ROLE, find_collection, find_object
+from lappet_blender.display.render_still import another_frame
 from lappet_blender.look.skin_material import FULL_SCALE
 from refusals import refusal_code
 from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved
@@ -280,6 +282,7 @@ def test_a_variant_is_a_scene_with_the_first_one_beside_it(shown: bpy.types.Scen
         ("compare", {"scene": "Nowhere"}, ProblemCode.COMPARE_UNKNOWN),
         ("compare", {"scene": "Scene"}, ProblemCode.COMPARE_ITSELF),
         ("render_still", {"filepath": "/tmp/picture.txt"}, ProblemCode.PICTURE_NAME),
+        ("render_still", {"filepath": "//picture.png"}, ProblemCode.PICTURE_BESIDE_NOTHING),
         ("render_still", {"filepath": "/tmp/picture.png"}, ProblemCode.PICTURE_NO_CAMERA),
         ("clear_stage", {}, ProblemCode.FIGURE_NOT_SET),
     ],
@@ -353,3 +356,22 @@ def test_cycles_shows_strain_in_the_colors_of_the_scale(shown: bpy.types.Scene, 
     cold = rendered(shown, tmp_path / "cold.png", "CYCLES")[SIZE // 3 : -SIZE // 3].reshape(-1, 3).mean(axis=0)
     assert warm[0] > 2.0 * warm[2]
     assert cold[2] > 1.5 * cold[0]
+
+
+def test_a_still_says_where_it_shows_another_frame_than_the_one_it_is_of(
+    shown: bpy.types.Scene, solved: Solved, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown.frame_set(9)
+    assert another_frame(shown) is None
+    frames = solved.manifests[shown.name][1]
+    earlier = replace(solved.shown_at(shown, 8), stale=True)  # frame 9 failed: the last good one is shown
+    monkeypatch.setattr(skin_display.frames, "shown_at", lambda scene, time: earlier)
+    told = another_frame(shown)
+    assert told is not None
+    assert (told.code, told.value) == (ProblemCode.PICTURE_NOT_SOLVED, "9")
+    assert told.message.endswith("the picture shows frame 8.")
+    del frames[9]
+    monkeypatch.setattr(skin_display.frames, "shown_at", solved.shown_at)
+    told = another_frame(shown)
+    assert told is not None
+    assert told.message.endswith("the picture shows the tissue at rest.")

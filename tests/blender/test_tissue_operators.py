@@ -9,6 +9,7 @@ import pytest
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
+from lappet_blender.tissue.set_tissue import set_tissue
 from refusals import refusal_code
 from tissue_scenes import add_box, add_sheet, fill_with_patch, read
 
@@ -261,3 +262,12 @@ def test_an_activation_without_keyframes_holds_throughout(scene: bpy.types.Scene
     fill_with_patch(scene)
     scene.lappet.materials[0].activation = 0.4
     assert read(scene).materials[0].muscle_activation == ((1.0, 0.4),)
+
+
+def test_a_head_of_25_m_is_noticed_when_it_becomes_the_tissue(scene: bpy.types.Scene) -> None:
+    """Modeled in centimetres, in a scene whose unit is a metre."""
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=12.5)
+    said = set_tissue(scene, bpy.context.object, 0.0, 0.0, "skin")
+    assert said is not None
+    assert "25000 mm long" in said
+    assert "unit scale" in said

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import synthetic_skin_cache as synthetic
-from lappet.background.skin_shape import depth_below_skin
 from lappet.drawing.skin_fields import SKIN
 from lappet.drawing.suture_bites import BITE, Bite, Lip, TrianglesNear, bites_at, buried, find_bites, find_lip, inward
+from lappet.geometry.skin_shape import depth_below_skin
 
 
 def test_the_nearest_points_of_the_skin_to_points_above_it_are_below_them() -> None:

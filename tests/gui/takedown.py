@@ -214,4 +214,4 @@ def set_while_it_works(blender: Driver) -> Steps:
 
 
 if __name__ == "__main__":
-    run(scenario, limit=400.0)
+    run(scenario, limit=570.0)

@@ -181,6 +181,19 @@ def test_the_bill_of_a_wheel_with_another_version_says_that_version(tmp_path: Pa
     assert told["components"] == bill["components"]
 
 
+def test_the_program_of_lessons_brings_its_library_into_the_bill_and_takes_it_out_again(tmp_path: Path) -> None:
+    folder = unpacked(tmp_path / "wheel")
+    before = sbom.of_wheel(folder, LIBRARIES)
+    (folder / "lappet/viewer").mkdir(parents=True)
+    (folder / "lappet/viewer/lesson.js").write_text("three")
+    bill = sbom.of_wheel(folder, LIBRARIES)
+    check_schema(bill)
+    (three,) = (one for one in bill["components"] if one["name"] == "three")
+    assert three["purl"] == f"pkg:npm/three@{three['version']}"
+    assert three["licenses"] == [{"expression": "MIT"}]
+    assert sbom.without(bill, "lappet/viewer") == before
+
+
 def test_every_license_of_a_bill_is_explained_in_the_document_of_licenses() -> None:
     said = (ROOT / "packaging/licenses.md").read_text(encoding="utf-8").lower()
     plain = {re.sub(r"(-dev|[\d.]+(-\w+)?)$", "", name).removeprefix("lib") for name in sbom.LICENSES}

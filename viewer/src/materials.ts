@@ -126,14 +126,13 @@ export class Materials {
     };
     const soft = "mix(layer(0.1), vec3(0.80, 0.535, 0.405), 0.3)";
     this.tissue = [
-      this.surface("skin()", 0.56, 0.04),
-      this.surface("layer(0.3)", 0.34, 0.09),
-      this.surface("layer(0.3)", 0.4, 0.06),
-      this.surface(soft, 0.6, 0.04),
+      this.surface("skin()", "fine()", 0.56, 0.04),
+      this.surface("layer(0.3)", "moist()", 0.34, 0.09),
+      this.surface("layer(0.3)", "moist()", 0.4, 0.06),
+      this.surface(soft, "fine()", 0.6, 0.04),
     ];
-    const moist = "mix(vec3(0.47, 0.115, 0.10), vec3(0.62, 0.22, 0.17), smoothstep(0.3, 0.72, layered(0.35 * vRest)))";
-    this.bed = this.surface(moist, 0.36, 0.12);
-    this.body = this.surface("painted()", 0.6, 0.02);
+    this.bed = this.surface("bed()", "moist()", 0.36, 0.1);
+    this.body = this.surface("painted()", "fine()", 0.6, 0.02);
   }
 
   setLook(look: Look): void {
@@ -150,8 +149,8 @@ export class Materials {
     }
   }
 
-  /** A surface of the color that an expression of surface.glsl gives; glow: share of it that no light changes. */
-  private surface(color: string, roughness: number, glow: number): THREE.MeshStandardMaterial {
+  /** A surface of a color and a height, both expressions of surface.glsl; glow: share of it that no light changes. */
+  private surface(color: string, height: string, roughness: number, glow: number): THREE.MeshStandardMaterial {
     const material = new THREE.MeshStandardMaterial({ roughness, metalness: 0 });
     material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, this.shared);
@@ -160,6 +159,11 @@ export class Materials {
       shader.fragmentShader =
         surface +
         shader.fragmentShader
+          .replace(
+            "#include <normal_fragment_maps>",
+            `#include <normal_fragment_maps>
+             normal = uneven(normal, -vViewPosition, ${height});`,
+          )
           .replace("#include <color_fragment>", `vec3 own = ${color};\ndiffuseColor.rgb = own;`)
           .replace(
             "#include <emissivemap_fragment>",
@@ -180,9 +184,25 @@ const strandColors: Record<string, THREE.MeshStandardMaterialParameters> = {
   lips: { color: new THREE.Color(0.3, 0.045, 0.04), roughness: 0.6 },
 };
 
+/** By how much what lies on the skin is drawn as if it were nearer, in mm: threads sink into skin that bulges. */
+const LIFTED: Record<string, number> = { threads: 0.6, marks: 0.35, lips: 0.15 };
+
 export function strandMaterial(name: string, color?: readonly number[]): THREE.MeshStandardMaterial {
   const own = color ? { color: new THREE.Color(...(color as [number, number, number])), roughness: 0.35 } : strandColors[name];
-  return new THREE.MeshStandardMaterial(own);
+  const material = new THREE.MeshStandardMaterial(own);
+  const lift = LIFTED[name];
+  if (lift) {
+    material.onBeforeCompile = (shader) => {
+      shader.vertexShader = shader.vertexShader.replace(
+        "#include <project_vertex>",
+        `#include <project_vertex>
+         vec4 nearer = projectionMatrix * (mvPosition + vec4(0.0, 0.0, ${lift.toFixed(2)}, 0.0));
+         gl_Position.z = nearer.z / nearer.w * gl_Position.w;`,
+      );
+    };
+    material.customProgramCacheKey = () => `lifted ${lift}`;
+  }
+  return material;
 }
 
 const plain: Record<string, [number, number, number, number]> = {

@@ -199,9 +199,11 @@ export class Picture {
 
   private resize(): void {
     const frame = this.canvas.parentElement!;
-    const [width, height] = [Math.max(1, frame.clientWidth), Math.max(1, frame.clientHeight)];
+    const [width, height] = [frame.clientWidth, frame.clientHeight];
+    if (width < 2 || height < 2) return; // not laid out yet: a camera without a shape would keep NaN
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) * this.sharp);
     this.renderer.setSize(width, height, false);
+    frame.querySelector(".titles")?.classList.toggle("high", width < height); // as `parts`
     const [part] = this.parts();
     setLens(this.camera, part.width / part.height);
     if (this.view) this.stand(viewPose(this.view, this.stages, this.camera));

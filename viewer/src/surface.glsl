@@ -47,6 +47,29 @@ vec3 skin() {
   return uLook == 1 ? mix(tone, vec3(0.235, 0.11, 0.085), ink()) : tone;
 }
 
+// The normal of a surface that a height in mm makes uneven (Mikkelsen 2010, "Bump mapping unparametrized surfaces").
+vec3 uneven(vec3 normal, vec3 place, float height) {
+  vec3 across = dFdx(place);
+  vec3 over = dFdy(place);
+  vec3 a = cross(over, normal);
+  vec3 b = cross(normal, across);
+  float area = dot(across, a);
+  float pixel = max(length(across), length(over));
+  float seen = 1.0 / (1.0 + 18.0 * pixel * pixel); // what is smaller than a pixel would glitter
+  vec3 slope = seen * sign(area) * (dFdx(height) * a + dFdy(height) * b);
+  return normalize(abs(area) * normal - slope);
+}
+
+// Heights in mm of moist, fibrous tissue, and of skin.
+float moist() { return 0.45 * layered(0.7 * vRest) + 0.14 * layered(2.3 * vRest + 5.0); }
+float fine() { return 0.05 * layered(1.3 * vRest); }
+
+vec3 bed() {
+  float fibers = layered(vec3(0.5, 1.7, 1.1) * vRest + 13.0);
+  vec3 tone = mix(vec3(0.47, 0.115, 0.10), vec3(0.60, 0.20, 0.15), smoothstep(0.3, 0.7, layered(0.5 * vRest)));
+  return mix(tone, vec3(0.66, 0.30, 0.22), 0.4 * smoothstep(0.55, 0.8, fibers));
+}
+
 vec3 layer(float uneven) {
   float depth = max(0.0, vDepth + 2.0 * uneven * (layered(0.5 * vRest) - 0.5));
   vec3 color = texture2D(uLayers, vec2(depth / uReach, vRow)).rgb;

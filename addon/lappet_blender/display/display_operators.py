@@ -9,6 +9,7 @@ from lappet.drawing.framing import VIEWS
 
 from ..events.variant import copy_scene
 from ..interface.operator_base import NO_UNDO, OperatorBase
+from ..interface.problem_sentence import problem_sentence
 from . import skin_display
 from .figure_setup import clear_stage, set_stage
 from .render_still import render_still
@@ -127,7 +128,9 @@ class LAPPET_OT_render_still(OperatorBase, bpy.types.Operator):
     filepath: StringProperty(name="File", subtype="FILE_PATH", options={"SKIP_SAVE"})
 
     def run(self, context: bpy.types.Context) -> None:
-        render_still(context.scene, self.filepath)
+        found = render_still(context.scene, self.filepath)
+        if found is not None:
+            self.report({"WARNING"}, problem_sentence(found))
 
 
 CLASSES = (

@@ -26,7 +26,7 @@ class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
 
     anchor: FloatVectorProperty(name="Anchor", description="At rest, in mm", size=3, precision=3)
     target: FloatVectorProperty(name="Target", description="Where the hook pulls to, in mm", size=3, precision=3)
-    begin: FloatVectorProperty(
+    origin: FloatVectorProperty(
         name="From",
         description="Where the hook starts to pull, in mm: where the skin is at that time. If not given, the anchor",
         size=3,
@@ -49,8 +49,8 @@ class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
         end = given(self, "end", max(scene.frame_end, start) + 1)
         targets = [(key.frame, key.co) for key in self.keys]
         if not targets:
-            begin = self.begin if self.properties.is_property_set("begin") else self.anchor
-            targets = straight_targets(begin, self.target, start, self.arrive)
+            origin = self.origin if self.properties.is_property_set("origin") else self.anchor
+            targets = straight_targets(origin, self.target, start, self.arrive)
         add_hook(scene, self.anchor, targets, start, end, stiffness=self.stiffness, name=self.name)
 
 

@@ -8,11 +8,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.skin_shape import uv_scale
 from lappet.drawing.deep_bed import DeepBed
 from lappet.drawing.skin_fields import SKIN
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import SkinEpoch
+from lappet.geometry.skin_shape import uv_scale
 
 from .layer_image import ROW, layer_rows
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from lappet.checks.suspicious_tissue import size_problems
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.flatten import flatten
@@ -16,6 +17,7 @@ from lappet.tissue.chosen_spacing import chosen_spacing
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.presets import PRESETS
 
+from ..interface.problem_sentence import problem_sentence
 from ..model.material_values import set_material
 from ..model.mesh_values import MeshValues, mesh_values
 from ..model.procedure_properties import VERSION
@@ -57,9 +59,14 @@ def set_tissue(
     if procedure.version == 0 and (scene.frame_start, scene.frame_end) == _UNTOUCHED:
         scene.frame_start, scene.frame_end = _FRAMES
     procedure.version = VERSION
+    odd = [problem_sentence(found) for found in size_problems(mesh.points)]
     if border and thickness == 0.0:
-        return f"The surface of {obj.name!r} is open ({border} border edges): give a thickness, or fill its holes."
-    return None
+        odd.append(_holes(obj, border))
+    return " ".join(odd) or None
+
+
+def _holes(obj: bpy.types.Object, border: int) -> str:
+    return f"The surface of {obj.name!r} is open ({border} border edges): give a thickness, or fill its holes."
 
 
 def use_preset(scene: bpy.types.Scene, preset: str) -> None:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from lappet.anatomy.tissue_layers import LayerSearch, TissueLayers
 from lappet.background.manifest import EpochShape, ListedFrame, Manifest
-from lappet.background.skin_shape import uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
 from lappet.core.problem import Problem
 from lappet.cutting.epoch import Epoch
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.skin_shape import uv_scale
 from lappet.procedure import Tissue
 from lappet.program.program import Program
 

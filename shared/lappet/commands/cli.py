@@ -5,14 +5,18 @@ Exit status: 0 done, 1 refused or not converged, 2 usage.
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import click
 
 from lappet.commands.check_command import check
 from lappet.commands.compare_command import compare
+from lappet.commands.completion_command import VARIABLE, add_powershell, completion
 from lappet.commands.demo_command import demo
+from lappet.commands.doctor_command import doctor
 from lappet.commands.export_command import export
+from lappet.commands.film_command import film
 from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
@@ -52,8 +56,11 @@ def cli(context: click.Context, debug: bool) -> None:
 
 def main() -> None:
     """Run the console script."""
+    if os.environ.get(VARIABLE, "").startswith("powershell"):
+        add_powershell()
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, follow, demo, check, inspect, render, plate, export, compare, new, models, flap, report, keys):
+_MAKING = (solve, follow, demo, check, inspect, render, plate, film, export, compare, new, models, flap, report)
+for _command in (*_MAKING, keys, doctor, completion):
     cli.add_command(_command)

@@ -41,11 +41,13 @@ def compare(
     """
     with sentences(context):
         import csv
+        import io
 
         from rich import box
         from rich.console import Console
         from rich.table import Table
 
+        from lappet.core.durable import write_whole
         from lappet.output.comparison import compared, comparison_rows
         from lappet.output.comparison_figure import plot_comparison
         from lappet.usd.cache_end import read_cache_end
@@ -59,8 +61,9 @@ def compare(
             shown.add_row(*row)
         Console().print(shown)
         if table is not None:
-            with table.open("w", encoding="utf-8", newline="") as file:
-                csv.writer(file).writerows([["measure", *(each.name for each in columns)], *rows])
+            text = io.StringIO(newline="")
+            csv.writer(text).writerows([["measure", *(each.name for each in columns)], *rows])
+            write_whole(table, text.getvalue().encode())
             click.echo(f"Table: {table}")
         if picture is not None:
             plot_comparison(columns, picture)

@@ -20,21 +20,21 @@ from lappet.program.settings import SolverSettings
     "--output",
     "folder",
     type=FILE,
-    default=Path("lappet-demo"),
-    show_default=True,
-    help="Folder for the results.",
+    help="Folder for the results.  [default: lappet-demo here, or where a file can be written]",
 )
 @solve_options
 @click.pass_context
-def demo(context: click.Context, /, folder: Path, settings: SolverSettings, **options: Any) -> None:
+def demo(context: click.Context, /, folder: Path | None, settings: SolverSettings, **options: Any) -> None:
     """Solve and render the bundled Z-plasty, at a spacing of 1.33 mm unless you give one."""
     import shutil
 
     with sentences(context):
         from lappet.commands.run_solve import run_solve, summary
         from lappet.demo import SPACING, figures_of, z_plasty
+        from lappet.demo.free_folder import free_folder
         from lappet.output.render import render_cache
 
+        folder = folder or free_folder()
         settings = replace(settings, spacing=settings.spacing or SPACING)
         folder.mkdir(parents=True, exist_ok=True)
         procedure = folder / "z_plasty.usda"

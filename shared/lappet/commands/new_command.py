@@ -12,13 +12,15 @@ from lappet.commands.parameters import FILE
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
+UNITS = ("mm", "cm", "dm", "m", "in")  # of `lappet.tissue.mesh_file`, which `--help` does not load
+
 
 @click.command()
 @click.argument("mesh", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure (.usda or .usdc).")
 @click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm.")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
-@click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed if left out.")
+@click.option("--units", type=click.Choice(UNITS), help="The mesh's unit of length; as its file says, or else guessed.")
 @gravity_options("9.81")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Take the skin around a point, in mm; with --radius.")
 @click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin.")

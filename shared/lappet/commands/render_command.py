@@ -11,6 +11,11 @@ from lappet.commands.parameters import FILE, FrameList, PlaneNumbers, Size
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
+# Of `lappet.output.render`, which `--help` does not load; a test compares them.
+VIEWS = ("oblique", "top", "low")
+COLORS = ("grid", "plain", "strain", "stress", "tension")
+ENGINES = ("cycles", "workbench")
+
 
 @click.command()
 @click.argument("cache", type=FILE)
@@ -24,13 +29,13 @@ from lappet.commands.refusals import sentences
 @click.option(
     "--movie-samples", type=click.IntRange(1, 65536), help="Cycles samples per pixel of an animation.  [default: 4]"
 )
-@click.option("--view", help="Where the camera stands.  [default: oblique]")
-@click.option("--color", help="What the skin shows.  [default: grid]")
+@click.option("--view", type=click.Choice(VIEWS), help="Where the camera stands.  [default: oblique]")
+@click.option("--color", type=click.Choice(COLORS), help="What the skin shows.  [default: grid]")
 @click.option("--translucent/--opaque", default=False, show_default=True, help="Show vessels through the skin.")
 @click.option(
     "--section", type=PlaneNumbers(), help="Take away what lies beyond a plane: a point in mm and its normal."
 )
-@click.option("--engine", help="Blender's renderer.  [default: cycles]")
+@click.option("--engine", type=click.Choice(ENGINES), help="Blender's renderer.  [default: cycles]")
 @reading_options
 @click.pass_context
 def render(context: click.Context, /, cache: Path, folder: Path, **options: Any) -> None:

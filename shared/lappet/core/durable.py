@@ -28,6 +28,31 @@ def replace_durably(fresh: Path, target: Path) -> None:
     sync_folder(target.parent)
 
 
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file so that it is whole or not there: a full disk leaves what had its name before.
+
+    Parameters
+    ----------
+    path
+        The file.
+    content
+        What it holds.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses; names the file.
+    """
+    draft = path.with_name(f".{path.name}.part")
+    try:
+        draft.write_bytes(content)
+        replace_durably(draft, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            draft.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
 def sync_folder(folder: Path) -> None:
     """Wait until the disk holds the names in a folder.
 

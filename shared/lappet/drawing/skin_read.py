@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from lappet.anatomy.tissue_kind import KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
-from lappet.background.skin_shape import depth_below_skin
 from lappet.core.problem import RefusedError
 from lappet.drawing.scenery_read import SceneryMesh, read_scenery
 from lappet.drawing.skin_source import ORIGINS, FigureError, SkinEpoch, SkinSource, StepEvent, Strands, VesselLine
 from lappet.drawing.suture_bites import bites_at, carried
 from lappet.geometry.curve import sample_curve
+from lappet.geometry.skin_shape import depth_below_skin
 from lappet.usd.stage import pxr
 
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.skin_shape import uv_scale
 from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value
 from lappet.drawing.skin_fields import SKIN, border_chains
 from lappet.drawing.skin_source import ORIGINS, SCALARS, SkinEpoch, SkinSource
 from lappet.export.lesson_arrays import LessonArrays
+from lappet.geometry.skin_shape import uv_scale
 
 _GRID_STEP = 0.02  # mm
 _DEPTH_STEP = 0.01  # mm

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.skin_shape import uv_scale
 from lappet.drawing.deep_bed import DeepBed
 from lappet.drawing.skin_fields import SKIN, WOUND_WALL
 from lappet.drawing.skin_read import SkinCache
@@ -16,6 +15,7 @@ from lappet.drawing.surface_look import BED_LOOK, SKIN_LOOK, face_looks
 from lappet.export.moving_shape import MovingShape
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.shading_normals import ShadingNormals
+from lappet.geometry.skin_shape import uv_scale
 
 GRID_PITCH = 5.0  # mm
 

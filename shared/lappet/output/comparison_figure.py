@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.output.comparison import SHOWN, Compared, shared_names, value_text
 
 _ROW = 0.16  # inches that a bar of a region or a landmark takes
@@ -47,8 +49,10 @@ def plot_comparison(columns: Sequence[Compared], path: Path) -> None:
         left.set_title("greatest tension of each region, a tick at its mean (kPa)", fontsize=9)
         _groups(right, marks, [each.moved_mm for each in columns], colors)
         right.set_title("how far landmarks moved (mm)", fontsize=9)
-    figure.savefig(path, dpi=150)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=path.suffix[1:].lower() or "png", dpi=150)
     pyplot.close(figure)
+    write_whole(path, drawn.getvalue())
 
 
 def _chosen(columns: Sequence[Compared], values: Sequence[dict[str, float]]) -> list[str]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.durable import write_whole
 from lappet.designs.flap_plan import FlapPlan
 
 if TYPE_CHECKING:
@@ -68,8 +70,10 @@ def write_plan_figure(plan: FlapPlan, lines: str, path: Path) -> None:
         _draw_lines(axes, lines, low, high)
         _draw_plan(axes, plan, margin)
         _draw_bar(axes, low, high, margin)
-        figure.savefig(path, dpi=300, metadata=_undated(path))
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format=path.suffix[1:].lower(), dpi=300, metadata=_undated(path))
         pyplot.close(figure)
+    write_whole(path, drawn.getvalue())
 
 
 def _undated(path: Path) -> dict[str, None]:

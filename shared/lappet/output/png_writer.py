@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.durable import write_whole
+
 
 def write_png(picture: NDArray[np.uint8], path: Path) -> None:
     """Write a picture; a file of that name is replaced whole.
@@ -33,6 +35,4 @@ def write_png(picture: NDArray[np.uint8], path: Path) -> None:
 
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     body = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b"")
-    draft = path.with_name(path.name + ".part")
-    draft.write_bytes(b"\x89PNG\r\n\x1a\n" + body)
-    draft.replace(path)
+    write_whole(path, b"\x89PNG\r\n\x1a\n" + body)

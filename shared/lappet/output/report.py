@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lappet.core.durable import replace_durably
+from lappet.core.durable import write_whole
 from lappet.core.machine import machine
 from lappet.core.problem import Place, Problem
 from lappet.core.version import version
@@ -132,16 +130,7 @@ def write_report(result: SolveResult, path: Path | str) -> None:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(report(result), indent=1, allow_nan=False) + "\n"
-    handle, name = tempfile.mkstemp(prefix=".report-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        fresh = Path(name)
-        fresh.chmod(0o644)
-        replace_durably(fresh, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write_whole(path, text.encode())
 
 
 def _frame(

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import os
 from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any
+
+from lappet.core.durable import write_whole
 
 
 def write_table(path: str | os.PathLike[str], kind: type[Any], rows: Sequence[Any]) -> None:
@@ -27,8 +30,9 @@ def write_table(path: str | os.PathLike[str], kind: type[Any], rows: Sequence[An
     OSError
         If the file system refuses.
     """
-    with Path(path).open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow([item.name for item in fields(kind)])
-        for row in rows:
-            table.writerow([f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row)])
+    text = io.StringIO(newline="")
+    table = csv.writer(text)
+    table.writerow([item.name for item in fields(kind)])
+    for row in rows:
+        table.writerow([f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row)])
+    write_whole(Path(path), text.getvalue().encode())

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.plate_font import PlateFont
@@ -50,7 +51,7 @@ def write_plate(
     alt: str,
     font: PlateFont,
     path: Path,
-    dpi: int,
+    dpi: float,
     profile: Path | None = None,
     transparent: bool = False,
 ) -> None:
@@ -93,12 +94,7 @@ def write_plate(
             data = _tiff(data, dpi, profile)
         else:
             data = _resolved(data, dpi)
-    draft = path.with_name(f".{path.name}.part")
-    try:
-        draft.write_bytes(data)
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    write_whole(path, data)
 
 
 def _typeset(
@@ -126,7 +122,7 @@ def _typeset(
         )
 
 
-def _resolved(png: bytes, dpi: int) -> bytes:
+def _resolved(png: bytes, dpi: float) -> bytes:
     """A PNG that says how many pixels it has per inch."""
     from PIL import Image
 
@@ -135,7 +131,7 @@ def _resolved(png: bytes, dpi: int) -> bytes:
     return buffer.getvalue()
 
 
-def _tiff(png: bytes, dpi: int, profile: Path | None) -> bytes:
+def _tiff(png: bytes, dpi: float, profile: Path | None) -> bytes:
     from PIL import Image, ImageCms
 
     picture = Image.open(io.BytesIO(png)).convert("RGB")

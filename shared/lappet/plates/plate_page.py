@@ -110,8 +110,7 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     _check_landmarks(request)
     for row in request.rows:
         check_anchors(SkinAnchors(row.source), request.annotations)
-    notes = [each.text for each in request.annotations]
-    font.check([*captions, *request.landmarks, *notes, *(words(key) for key in _LABELS)])
+    checked_texts(request, captions, words, font)
     full, top = _full_scale(request)
     columns, width = _columns(request)
     maker = PanelMaker(
@@ -132,6 +131,29 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in own)
     key = (words(f"map.{request.mapped}"), "0", top) if request.mapped else ()
     return PlatePage((request.width, float(tops[-1]) - GUTTER), maker.size, tuple(panels), alt, key, full)
+
+
+def checked_texts(request: PlateRequest, captions: Sequence[str], words: PlateWords, font: PlateFont) -> None:
+    """Refuse texts that the font cannot write.
+
+    Parameters
+    ----------
+    request
+        What is to be on the plate.
+    captions
+        Its captions.
+    words
+        What it says.
+    font
+        Its font.
+
+    Raises
+    ------
+    RefusedError
+        If the font lacks a character.
+    """
+    notes = [each.text for each in request.annotations]
+    font.check([*captions, *request.landmarks, *notes, *(words(key) for key in _LABELS)])
 
 
 def _check_section(request: PlateRequest) -> None:

@@ -150,7 +150,7 @@ class PanelMaker:
         """
         request, (row, k) = self.request, self.request.panels[index]
         steps = request.rows[row].steps
-        step, letter = steps[k], ascii_uppercase[index]
+        step, letter = steps[k], ascii_uppercase[index] if index < len(ascii_uppercase) else ""
         scene = self._scene(row, step, self.size)
         cut = None if request.section is None else SectionPlane.of(request.section)
         drawing, areas = self._drawing(scene, steps, k, cut)
@@ -176,7 +176,7 @@ class PanelMaker:
         goes_on = scene.goes_on and areas is AREA_LABELS
         host = PagePanel(
             *(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures)),
-            *(self._bar(drawing, self.size) if index == 0 or own_scale else 0.0, goes_on, self.size, notes),
+            *(self.bar(drawing, self.size) if index == 0 or own_scale else 0.0, goes_on, self.size, notes),
         )
         return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
 
@@ -196,7 +196,7 @@ class PanelMaker:
             site = host.drawing.projection.paper(at)[0][0]
         line = None if site is None else host.middle + np.stack([place.outline_towards(site), site])
         middle = host.middle + place.middle
-        bar = self._bar(drawing, place.size)
+        bar = self.bar(drawing, place.size)
         return PagePanel(
             *("", step, scene, (), middle, drawing, (), (), bar, scene.goes_on, place.size, notes),
             line if line is not None else np.zeros((0, 2)),
@@ -219,8 +219,21 @@ class PanelMaker:
         name = step.panel.name if step.panel is not None else ""
         return AnnotationDrawer(scene, drawing, name, later).draw(self.request.annotations)
 
-    def _bar(self, drawing: PanelDrawing, size: tuple[float, float]) -> float:
-        """The length of a scale bar that fits, in mm of tissue."""
+    def bar(self, drawing: PanelDrawing, size: tuple[float, float]) -> float:
+        """Choose the length of a panel's scale bar.
+
+        Parameters
+        ----------
+        drawing
+            The panel's drawing.
+        size
+            Its width and height in mm.
+
+        Returns
+        -------
+        float
+            The length in mm of tissue, 0 where none fits.
+        """
         return max((each for each in _BARS if each * drawing.projection.scale <= 0.3 * size[0]), default=0.0)
 
     def _drawing(

@@ -270,8 +270,9 @@ def _caption(panel: PagePanel, font: PlateFont) -> drawsvg.Group:
     group = drawsvg.Group(id=f"caption-{panel.letter}")
     left = panel.middle[0] - 0.5 * panel.size[0]
     top = panel.middle[1] + 0.5 * panel.size[1] + 1.5 + 0.5 * LINE * CAPTION_SIZE
-    indent = font.width("M", CAPTION_SIZE) + 1.5
-    group.append(_text(panel.letter, np.array([left, top]), CAPTION_SIZE, font, "start", halo=False, weight="bold"))
+    indent = font.width("M", CAPTION_SIZE) + 1.5 if panel.letter else 1.5
+    if panel.letter:
+        group.append(_text(panel.letter, np.array([left, top]), CAPTION_SIZE, font, "start", halo=False, weight="bold"))
     for k, line in enumerate(panel.caption):
         at = np.array([left + indent, top + k * LINE * CAPTION_SIZE])
         group.append(_text(line, at, CAPTION_SIZE, font, "start", halo=False))

@@ -22,7 +22,7 @@ from lappet.tissue.mesh_report import MeshReport, Note, found
 from lappet.tissue.ply_sizes import refuse_ply_sizes
 from lappet.usd.stage import open_stage, pxr
 
-UNITS = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
+UNITS = {"m": 1000.0, "dm": 100.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
 # The unit of a file without one, by its largest extent: most are a head or a face, about 250 mm, or a part of one.
 _GUESSES = (("m", 2.0), ("cm", 6.0), ("in", 14.0), ("cm", 35.0))
 _GLTF = (".glb", ".gltf")
@@ -94,7 +94,7 @@ def read_mesh(
     path
         A file of one of `KINDS`.
     units
-        "m", "cm", "mm" or "in"; None for those that the file states (USD, glTF), or else a guess from its size.
+        "m", "dm", "cm", "mm" or "in"; None for those that the file states (USD, glTF), or else a guess from its size.
     limits
         What reading may take.
 
@@ -156,7 +156,7 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_POINTS_NOT_FINITE, path, mesh.points[bad[0]].tolist(), first=bad[0])
     extent = float(np.ptp(mesh.points[np.unique(mesh.triangles)], axis=0).max())
     if units is not None:
-        scale, stated = UNITS[units], "given"
+        scale, stated = UNITS[units], f"{units}, as given"
     elif scale == 0.0:
         guess = next((unit for unit, limit in _GUESSES if extent < limit), "mm")
         scale, stated = UNITS[guess], f"{guess}, guessed from a size of {extent:.4g}; --units says otherwise"

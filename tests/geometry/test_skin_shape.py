@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import synthetic_skin_cache as synthetic
-from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.drawing.skin_fields import SKIN, WOUND_WALL
+from lappet.geometry.skin_shape import depth_below_skin, uv_scale
 
 
 def test_the_grid_is_in_millimetres_whatever_the_unit_of_st() -> None:

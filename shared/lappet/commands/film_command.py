@@ -1,0 +1,51 @@
+"""`lappet film`: a solved procedure as a film for class."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lappet.commands.parameters import FILE, Size
+from lappet.commands.reading_options import reading_options
+from lappet.commands.refusals import sentences
+from lappet.foreign.limits import ReadLimits
+
+_STYLES = ("ink", "schematic", "halftone", "wash")
+_LANGUAGES = ("en", "de", "fr", "es", "zh")
+_VIEWS = ("oblique", "top", "low")
+
+
+@click.command()
+@click.argument("cache", type=FILE)
+@click.option(
+    "-o", "--output", "film", type=FILE, required=True, help="The film (.mp4, .webm, .gif, .webp, or .png: numbered)."
+)
+@click.option("--style", type=click.Choice(_STYLES), default="schematic", show_default=True, help="How it is drawn.")
+@click.option("--skin-tone", "tone", type=click.IntRange(1, 10), help="Tone of the skin on the Monk scale, 1 to 10.")
+@click.option("--size", type=Size(), default="1920x1080", show_default=True, help="Pixels; 3840x2160 for 4K.")
+@click.option("--fps", type=float, default=8.0, show_default=True, help="Solved frames per second, 0.1 to 60.")
+@click.option("--pause", type=float, default=2.0, show_default=True, help="Seconds on each step, up to 60.")
+@click.option("--view", type=click.Choice(_VIEWS), default="oblique", show_default=True, help="Where the camera is.")
+@click.option("--language", type=click.Choice(_LANGUAGES), default="en", show_default=True)
+@click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
+@click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
+@click.option("--title", default="", help="The film's title.  [default: the cache's name]")
+@reading_options
+@click.pass_context
+def film(context: click.Context, /, cache: Path, film: Path, limits: ReadLimits, **options: Any) -> None:
+    """Draw a film: every solved frame as a line drawing with its caption, held at each step, which is a chapter."""
+    with sentences(context):
+        from rich.console import Console
+        from rich.progress import Progress
+
+        from lappet.plates.draw_film import FilmOptions, draw_film
+
+        with Progress(console=Console(stderr=True), transient=True) as progress:
+            task = progress.add_task("Drawing", total=None)
+            draw_film(
+                *(cache, film, FilmOptions(**options), limits),
+                lambda done, of: progress.update(task, completed=done, total=of),
+            )
+        click.echo(film)

@@ -1,0 +1,178 @@
+"""Draw a film of an operation for class: its solved frames as line drawings with captions, held at each step."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.plates.film_file import check_film, write_film
+from lappet.plates.film_frames import FilmFrame, chapters, film_frames
+from lappet.plates.plate_cache import chosen_steps, open_cache
+from lappet.plates.plate_files import write_plate
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_page import CAPTION_SIZE, PlatePage, checked_texts
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
+from lappet.plates.plate_request import PlateRequest, PlateRow
+from lappet.plates.plate_scene import plate_scene
+from lappet.plates.plate_steps import PlateStep
+from lappet.plates.plate_style import PlateStyle, plate_style
+from lappet.plates.plate_svg import plate_svg
+from lappet.plates.plate_words import PlateWords, plate_words
+
+WIDTH = 150.0  # mm: a page of this width fills the picture, so that text is read from the last row
+_BELOW = 1.5 + LINE * CAPTION_SIZE  # mm of the caption
+
+
+@dataclass(frozen=True)
+class FilmOptions:
+    """How a film is drawn.
+
+    Parameters
+    ----------
+    style
+        Name of the style.
+    tone
+        Tone of the skin on the Monk scale, 1 to 10; None for the style's own.
+    language
+        One of `lappet.plates.plate_words.LANGUAGES`.
+    own
+        A TOML file with texts in place of the catalogue's.
+    font
+        A font file; None for Source Sans Pro.
+    size
+        Width and height in pixels.
+    fps
+        Solved frames per second.
+    pause
+        Seconds for which each step is held.
+    view
+        One of `lappet.drawing.framing.VIEWS`.
+    title
+        The film's title; "" for the cache's name.
+    """
+
+    style: str = "schematic"
+    tone: int | None = None
+    language: str = "en"
+    own: Path | None = None
+    font: Path | None = None
+    size: tuple[int, int] = (1920, 1080)
+    fps: float = 8.0
+    pause: float = 2.0
+    view: str = "oblique"
+    title: str = ""
+
+
+def draw_film(
+    cache: Path,
+    path: Path,
+    options: FilmOptions = FilmOptions(),
+    limits: ReadLimits = DEFAULT_LIMITS,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Path:
+    """Draw a film.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    path
+        The file; its suffix says what it becomes.
+    options
+        How.
+    limits
+        What reading may take.
+    progress
+        Is told how many pictures of how many are drawn.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    RefusedError
+        If a value makes no sense, the cache cannot be read, or FFmpeg fails; nothing is written then.
+    OSError
+        If a file cannot be written.
+    """
+    check_film(path, options.size)
+    if not (0.1 <= options.fps <= 60.0 and 0.0 < options.pause <= 60.0):
+        raise refused(ProblemCode.FILM_SPEED, path, f"{options.fps:g} and {options.pause:g}")
+    words, font = plate_words(options.language, options.own), PlateFont(options.font)
+    style = plate_style(options.style, options.tone)
+    source = open_cache(cache, limits)
+    steps = chosen_steps(source)
+    frames = film_frames(source.frames, steps, options.fps, options.pause)
+    request = PlateRequest(
+        (PlateRow(source, tuple(each.step for each in frames)),), {}, WIDTH, 1, options.view, measures=True
+    )
+    size = (WIDTH, WIDTH * options.size[1] / options.size[0] - _BELOW)
+    scene = plate_scene(source, [step.time for step in steps], options.view, size)
+    checked_texts(request, [caption(step, words) for step in steps], words, font)
+    maker = PanelMaker(request, (scene,), style, words, font, size)
+    title = options.title or cache.name.split(".")[0].replace("_", " ")
+    with tempfile.TemporaryDirectory(prefix="lappet_film_") as folder:
+        pictures = []
+        for number, frame in enumerate(frames):
+            picture = Path(folder) / f"{number:05d}.png"
+            _draw(maker, number, frame, words, style, font, options, picture)
+            pictures.append((picture, frame.seconds))
+            progress(number + 1, len(frames))
+        told = [(begin, end, caption(step, words)) for begin, end, step in chapters(frames)]
+        write_film(pictures, told, title, path, options.size)
+    return path
+
+
+def caption(step: PlateStep, words: PlateWords) -> str:
+    """Say what a step shows.
+
+    Parameters
+    ----------
+    step
+        The step.
+    words
+        The catalogue.
+
+    Returns
+    -------
+    str
+        Its caption.
+    """
+    return words(f"step.{step.kind}", time=f"{step.time:g}")
+
+
+def _draw(
+    maker: PanelMaker,
+    number: int,
+    frame: FilmFrame,
+    words: PlateWords,
+    style: PlateStyle,
+    font: PlateFont,
+    options: FilmOptions,
+    path: Path,
+) -> None:
+    """Draw a picture: names with leaders only where it is held, so that they do not jump about."""
+    held = frame.step == frame.caption
+    own = replace(maker, request=replace(maker.request, labels=held))
+    said = caption(frame.caption, words)
+    middle = np.array([0.5 * WIDTH, 0.5 * maker.size[1]])
+    (panel, *_) = own.panels(number, (said,), middle, set())
+    panel = _without_letter(panel, maker)
+    page = PlatePage((WIDTH, maker.size[1] + _BELOW), maker.size, (panel,), said)
+    dpi = 25.4 * options.size[0] / WIDTH
+    svg = plate_svg(page, style, font, dpi)
+    write_plate(svg, page.size, said, font, path, dpi)
+
+
+def _without_letter(panel: PagePanel, maker: PanelMaker) -> PagePanel:
+    """A panel that is alone has no letter, and each has the scale bar."""
+    return replace(panel, letter="", bar=maker.bar(panel.drawing, panel.size))

@@ -1,0 +1,112 @@
+"""A film holds at the steps, which are its chapters, and is as long as its pictures."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from imageio_ffmpeg import get_ffmpeg_exe
+from PIL import Image
+
+from lappet.core.problem_code import ProblemCode
+from lappet.plates.draw_film import FilmOptions, draw_film
+from lappet.plates.film_file import check_film, write_film
+from lappet.plates.film_frames import chapters, film_frames
+from lappet.plates.plate_steps import PlateStep, StepKind
+from refusals import refuses
+
+PLAN, CUT, END = (
+    PlateStep(1.0, StepKind.PLAN),
+    PlateStep(3.0, StepKind.INCISED),
+    PlateStep(6.0, StepKind.RESULT),
+)
+
+
+def told_of(film: Path) -> tuple[float, list[str], str]:
+    """The length in seconds, the chapters' titles, and the size, as FFmpeg reads them."""
+    said = subprocess.run([get_ffmpeg_exe(), "-i", film], capture_output=True, text=True, check=False).stderr
+    hours, minutes, seconds = re.search(r"Duration: (\d+):(\d+):([\d.]+)", said).groups()  # type: ignore[union-attr]
+    body = said.partition("Chapters:")[2].partition("Stream")[0]
+    size = re.search(r"Video: .*?, (\d+x\d+)", said)
+    assert size is not None, said
+    return 3600 * int(hours) + 60 * int(minutes) + float(seconds), re.findall(r"title\s*: (.*)", body), size.group(1)
+
+
+def test_frames_between_steps_run_and_steps_are_held() -> None:
+    frames = film_frames([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], [PLAN, CUT, END], fps=4.0, pause=2.0)
+    assert [(frame.step.time, frame.seconds) for frame in frames] == [
+        *((1.0, 2.0), (2.0, 0.25), (3.0, 2.0)),
+        *((4.0, 0.25), (5.0, 0.25), (6.0, 2.0)),
+    ]
+    assert [frame.caption for frame in frames] == [PLAN, CUT, CUT, END, END, END]
+
+
+def test_chapters_follow_each_other_without_a_gap() -> None:
+    frames = film_frames([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [PLAN, CUT, END], fps=4.0, pause=2.0)
+    found = chapters(frames)
+    assert [(begin, end, step) for begin, end, step in found] == [
+        *((0.0, 2.0, PLAN), (2.0, 4.25, CUT), (4.25, 6.75, END)),
+    ]
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
+def test_a_film_is_as_long_as_its_pictures_and_has_its_chapters(tmp_path: Path, suffix: str) -> None:
+    pictures = []
+    for number, shade in enumerate((40, 120, 220)):
+        picture = tmp_path / f"{number}.png"
+        Image.new("RGB", (320, 240), (shade, 90, 60)).save(picture)
+        pictures.append((picture, 0.5 + number))
+    film = tmp_path / f"film{suffix}"
+    write_film(pictures, [(0.0, 0.5, "Before; = after"), (0.5, 4.5, "Nachher")], "A film", film, (320, 240))
+    length, titles, size = told_of(film)
+    assert length == pytest.approx(4.5, abs=0.06)
+    assert titles == ["Before; = after", "Nachher"]
+    assert size == "320x240"
+    assert [each.name for each in tmp_path.iterdir() if each.name.startswith(".")] == []
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_a_loop_shows_every_picture(tmp_path: Path, suffix: str) -> None:
+    pictures = []
+    for number, shade in enumerate((0, 128, 255)):
+        picture = tmp_path / f"{number}.png"
+        Image.new("RGB", (320, 240), (shade, shade, shade)).save(picture)
+        pictures.append((picture, 0.5))
+    film = tmp_path / f"film{suffix}"
+    write_film(pictures, [], "A loop", film, (320, 240))
+    with Image.open(film) as made:
+        shades = set()
+        for frame in range(made.n_frames):
+            made.seek(frame)
+            shades.add(round(made.convert("L").getpixel((160, 120)) / 64))  # type: ignore[operator]
+        assert shades == {0, 2, 4}
+
+
+@pytest.mark.slow
+def test_the_film_of_an_operation_has_a_chapter_for_each_step(cache_file: Path, tmp_path: Path) -> None:
+    film = tmp_path / "film.mp4"
+    done: list[tuple[int, int]] = []
+    options = FilmOptions(size=(480, 270), fps=12.0, pause=0.5, language="de", style="ink")
+    draw_film(cache_file, film, options, progress=lambda at, of: done.append((at, of)))
+    length, titles, size = told_of(film)
+    assert size == "480x270"
+    assert titles[0] == "Geplante Schnitte"
+    assert len(titles) >= 4
+    held = len(titles)
+    assert done[-1][0] == done[-1][1]
+    assert length == pytest.approx(0.5 * held + (done[-1][1] - held) / 12.0, abs=0.1)
+
+
+def test_what_is_no_film_is_refused_before_anything_is_drawn(cache_file: Path, tmp_path: Path) -> None:
+    with refuses(ProblemCode.FILM_SUFFIX):
+        check_film(tmp_path / "film.avi", (1920, 1080))
+    with refuses(ProblemCode.PLATE_FOLDER):
+        check_film(tmp_path / "nowhere" / "film.mp4", (1920, 1080))
+    for size in ((1921, 1080), (200, 120), (1080, 1920)):
+        with refuses(ProblemCode.FILM_SIZE):
+            check_film(tmp_path / "film.mp4", size)
+    with refuses(ProblemCode.FILM_SPEED):
+        draw_film(cache_file, tmp_path / "film.mp4", FilmOptions(fps=0.0))
+    assert list(tmp_path.iterdir()) == []
