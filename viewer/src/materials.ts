@@ -131,7 +131,7 @@ export class Materials {
       this.surface("layer(0.3)", "moist()", 0.4, 0.06),
       this.surface(soft, "fine()", 0.6, 0.04),
     ];
-    this.bed = this.surface("bed()", "moist()", 0.36, 0.1);
+    this.bed = this.surface("bed()", "moist()", 0.48, 0.1);
     this.body = this.surface("painted()", "fine()", 0.6, 0.02);
   }
 

@@ -97,7 +97,11 @@ export class Stage {
     here.epoch.show(here.local, next, share, mapped);
     this.materials.setLook(shown.look);
     const opacity = shown.vessels && this.hasVessels ? 0.4 : 1;
-    if (opacity !== this.opacity) this.materials.setOpacity((this.opacity = opacity));
+    if (opacity !== this.opacity) {
+      this.materials.setOpacity((this.opacity = opacity));
+      for (const skin of this.epochs) skin.mesh.castShadow = opacity >= 1;
+      this.key.shadow.needsUpdate = true;
+    }
     const moment = `${frame} ${share}`;
     if (moment !== this.moment) {
       this.moment = moment;
