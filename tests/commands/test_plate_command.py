@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -66,3 +68,21 @@ def test_a_template_becomes_a_plate_of_the_procedure_and_is_drawn_from_its_cache
     assert run.invoke(cli, given).exit_code == 0
     assert at_once.read_bytes() == target.read_bytes()
     assert run.invoke(cli, [*given, "--plate", "steps"]).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("command", "target", "package"), [("plate", "x.svg", "shapely"), ("film", "x.mp4", "drawsvg")]
+)
+def test_without_its_extra_a_command_says_how_to_get_it(
+    cache_file: Path, tmp_path: Path, command: str, target: str, package: str
+) -> None:
+    program = (
+        f"import sys; sys.modules[{package!r}] = None\n"
+        "from lappet.commands.cli import cli\n"
+        f"cli([{command!r}, {str(cache_file)!r}, '-o', {str(tmp_path / target)!r}])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 1
+    assert package in done.stderr
+    assert "pip install 'lappet[" in done.stderr
+    assert not (tmp_path / target).exists()

@@ -53,8 +53,9 @@ def test_the_oracle_finds_what_passes_through() -> None:
     assert passes_through_itself(across, faces)
 
 
-def test_the_ellipse_closes_without_passing_through_itself(tmp_path: Path) -> None:
-    assert frames_that_pass_through("ellipse", 2.0, True, tmp_path) == []
+@pytest.mark.parametrize("example", ["ellipse", "stitches", "prestretched_incision"])
+def test_wounds_open_and_close_without_passing_through_themselves(example: str, tmp_path: Path) -> None:
+    assert frames_that_pass_through(example, 2.0, True, tmp_path) == []
 
 
 @pytest.mark.slow
@@ -63,3 +64,9 @@ def test_flaps_change_places_without_passing_through_themselves(tmp_path: Path) 
     through = frames_that_pass_through("z_plasty", 2.0, False, tmp_path / "off")
     assert through, "the test shows nothing where nothing meets"
     assert frames_that_pass_through("z_plasty", 2.0, True, tmp_path / "on") == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+def test_two_flaps_of_a_dual_s_plasty_do_not_pass_through_each_other(tmp_path: Path) -> None:
+    assert frames_that_pass_through("dual_s_plasty", 2.0, True, tmp_path) == []

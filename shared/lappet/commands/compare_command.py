@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from lappet.commands.extras import extra
 from lappet.commands.parameters import FILE
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
@@ -76,7 +77,9 @@ def compare(
 def _draw_plate(caches: tuple[Path, ...], columns: list[Compared], path: Path, limits: ReadLimits) -> None:
     """Draw a row for each operation: planned, and its end with what was measured there."""
     from lappet.output.comparison import one_line
-    from lappet.plates.draw_plate import PlateOptions, draw_plate
+
+    with extra("A plate", "plates"):
+        from lappet.plates.draw_plate import PlateOptions, draw_plate
 
     captions = {2 * k + 1: f"{each.name}: {one_line(each)}" for k, each in enumerate(columns)}
     draw_plate(caches, [path], PlateOptions(captions=captions, shown={"columns": 2}), limits)

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from lappet.commands.extras import extra
 from lappet.commands.parameters import FILE, Size
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
@@ -40,7 +41,10 @@ def film(context: click.Context, /, cache: Path, film: Path, limits: ReadLimits,
         from rich.console import Console
         from rich.progress import Progress
 
-        from lappet.plates.draw_film import FilmOptions, draw_film
+        with extra("A film", "film,plates"):
+            import imageio_ffmpeg  # noqa: F401 - missing, it would be missed after all has been drawn
+
+            from lappet.plates.draw_film import FilmOptions, draw_film
 
         with Progress(console=Console(stderr=True), transient=True) as progress:
             task = progress.add_task("Drawing", total=None)

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from lappet.commands.extras import extra
 from lappet.commands.parameters import FILE, FrameList, PlaneNumbers
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
@@ -123,7 +124,8 @@ def plate(
         if template and picture.suffix.lower() in _PROCEDURES:
             _add_template(caches, picture, template, limits)
             return
-        from lappet.plates.draw_plate import PlateOptions, draw_plate
+        with extra("A plate", "plates"):
+            from lappet.plates.draw_plate import PlateOptions, draw_plate
 
         if kept or template:  # what the user did not say is as the plate has it
             given = click.core.ParameterSource.DEFAULT

@@ -15,7 +15,7 @@ namespace {
 // that a few points bear all of the pressure.
 constexpr double kReach = 0.05, kFullSpacing = 1.0;  // mm
 // By how many spacings the surface may move before pairs are looked for again.
-constexpr double kSlack = 0.1;
+constexpr double kSlack = 0.05;
 // Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 1.2 of them. Softer, a
 // corner bears its load at a thousandth of the reach only, where a Newton step leads nowhere.
 constexpr double kStiffness = 1.0;
