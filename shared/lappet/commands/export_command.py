@@ -33,6 +33,7 @@ def export(
 
     .html: a lesson in one file for a browser, of one procedure or of two side by side.
     .glb: glTF with every frame, the steps as animations.
+    .usdc, .usda: USD in one file, without the procedure.
     .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.
     .csv: forces, landmarks and lengths, a row for each frame.
     .abc, .fbx: written by Blender, where bpy is installed.

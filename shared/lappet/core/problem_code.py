@@ -589,6 +589,7 @@ class ProblemCode(StrEnum):
     EXPORT_FRAME = auto()
     EXPORT_VIEWER = auto()
     EXPORT_STEP = auto()
+    EXPORT_ITSELF = auto()
     EXPORT_TWO_CHOICES = auto()
     EXPORT_OPEN_SURFACE = auto()
     EXPORT_NO_BPY = auto()

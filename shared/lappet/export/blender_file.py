@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import replace_durably
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.export.export_request import ExportRequest
@@ -53,7 +54,7 @@ def write_by_blender(request: ExportRequest) -> list[Path]:
         answer = _answer(_run(command, request.target))
         if not answer.get("done"):
             raise refused(ProblemCode.EXPORT_BLENDER, request.target, answer.get("error", "it gives no reason"))
-        draft.replace(target)
+        replace_durably(draft, target)
     return [request.target]
 
 

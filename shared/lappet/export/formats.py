@@ -40,6 +40,12 @@ def _by_blender() -> ExportFunction:
     return write_by_blender
 
 
+def _usd() -> ExportFunction:
+    from lappet.export.usd_file import write_usd
+
+    return write_usd
+
+
 _STILL = frozenset({"frames", "step", "every_frame"})
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -56,6 +62,7 @@ EXPORTERS: tuple[Exporter, ...] = (
         _glb,
         options=frozenset({"frames"}),
     ),
+    *(Exporter(suffix, "USD in one file, without what is planned and measured", _usd) for suffix in (".usdc", ".usda")),
     Exporter(".stl", "the tissue's surface in one frame, for printing", _meshes, options=_STILL),
     Exporter(".obj", "the tissue's surface in one frame, with colors of its vertices", _meshes, options=_STILL),
     Exporter(".ply", "the tissue's surface in one frame, with colors of its faces", _meshes, options=_STILL),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
@@ -152,12 +153,7 @@ def _write(
         data = threemf_package(triangles, points, looks, of_face)
     else:
         data = _by_trimesh(suffix[1:], triangles, points, looks, of_face)
-    draft = path.with_name(f".{path.name}.part")
-    try:
-        draft.write_bytes(data)
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    write_whole(path, data)
 
 
 def _by_trimesh(

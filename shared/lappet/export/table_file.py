@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.durable import write_whole
 from lappet.drawing.skin_read import SkinCache
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import chosen_frames, exported_cache
@@ -54,12 +55,7 @@ def write_table_file(request: ExportRequest) -> list[Path]:
     table.writerow([name for name, _ in columns])
     for row in zip(*(values for _, values in columns), strict=True):
         table.writerow(["" if value is None or not np.isfinite(value) else f"{value:.6g}" for value in row])
-    draft = request.target.with_name(f".{request.target.name}.part")
-    try:
-        draft.write_text(text.getvalue(), encoding="utf-8", newline="")
-        draft.replace(request.target)
-    finally:
-        draft.unlink(missing_ok=True)
+    write_whole(request.target, text.getvalue().encode())
     return [request.target]
 
 

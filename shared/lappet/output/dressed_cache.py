@@ -24,9 +24,9 @@ from lappet.usd.stage import pxr
 from lappet.usd.writer import layer as procedure_layer
 
 # Drawings of what is planned, and tables: of no use to a viewer, whatever it thinks of visibility or of purpose.
-_PLANS = (TISSUE, TIMELINE, SKIN_LINES, ANATOMY, FLAPS, MATERIALS)
-_TABLES = ("Layers", "Reactions", "Sections", "Steps")
-_MEASURED = ("Sutures", "Threads", "Hooks", "Seams")
+PLANS = (TISSUE, TIMELINE, SKIN_LINES, ANATOMY, FLAPS, MATERIALS)
+TABLES = ("Layers", "Reactions", "Sections", "Steps")
+MEASURED = ("Sutures", "Threads", "Hooks", "Seams")
 
 
 def dress(layer: Any, path: Path, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
@@ -108,12 +108,12 @@ def _strain(program: Program, frames: Sequence[SolvedFrame]) -> dict[str, dict[f
 def _hide(stage: Any, below: Any) -> None:
     usd = pxr()
     tokens = usd.UsdGeom.Tokens
-    tables = [f"{SKIN_ROOT}/{name}" for name in _TABLES if stage.GetPrimAtPath(f"{SKIN_ROOT}/{name}")]
-    for path in (*(path for path in _PLANS if below.GetPrimAtPath(path)), *tables):
+    tables = [f"{SKIN_ROOT}/{name}" for name in TABLES if stage.GetPrimAtPath(f"{SKIN_ROOT}/{name}")]
+    for path in (*(path for path in PLANS if below.GetPrimAtPath(path)), *tables):
         hidden = usd.UsdGeom.Imageable(stage.OverridePrim(path))
         hidden.CreateVisibilityAttr(tokens.invisible)
         hidden.CreatePurposeAttr(tokens.guide)
-    for name in _MEASURED:
+    for name in MEASURED:
         prim = stage.GetPrimAtPath(f"{SKIN_ROOT}/{name}")
         if prim:
             usd.UsdGeom.Imageable(prim).CreatePurposeAttr(tokens.guide)
