@@ -18,7 +18,7 @@ from lappet.plates.plate_steps import PlateStep, StepKind
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_words import plate_words
 from lappet.plates.skin_anchors import SkinAnchors
-from lappet.procedure.plate import PlateAnnotation, PlatePanel
+from lappet.procedure.plate import AnnotationKind, PlateAnnotation, PlatePanel
 from refusals import refuses
 
 WHOLE = PlateStep(1.0, StepKind.PLAN, PlatePanel("whole", time=1.0))
@@ -108,3 +108,22 @@ def test_a_font_without_a_character_of_an_annotation_is_refused(
 ) -> None:
     with refuses(ProblemCode.PLATE_FONT_LACKS):
         drawn(cache, font, (WHOLE,), PlateAnnotation("a", "label", ((0.0, 10.0, 0.0),), "皮瓣"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "anchors"),
+    [
+        ("length", ((-20.0, 12.0, 0.0), (0.0, 12.0, 0.0))),
+        ("distance", ((-20.0, 12.0, 0.0), (0.0, 12.0, 0.0))),
+        ("angle", ((-20.0, 12.0, 0.0), (0.0, 12.0, 0.0), (0.0, 25.0, 0.0))),
+        ("arrow", ((-20.0, 12.0, 0.0), (0.0, 12.0, 0.0))),
+    ],
+)
+def test_a_dragged_measure_keeps_its_distance_from_the_first_anchor(
+    cache: SkinCache, font: PlateFont, kind: AnnotationKind, anchors: tuple[tuple[float, float, float], ...]
+) -> None:
+    note = PlateAnnotation("note", kind, anchors, "text", offset=(5.0, -4.0))
+    panel = only(drawn(cache, font, (WHOLE,), note))
+    (measure,) = panel.notes.measures
+    begin, _ = panel.drawing.projection.paper(np.array(anchors[:1]))
+    np.testing.assert_allclose(measure.at - begin[0], (5.0, -4.0), atol=1e-4)

@@ -182,7 +182,8 @@ class AnnotationDrawer:
         half = np.cos(0.5 * angle) * first + np.sin(0.5 * angle) * across
         middle = vertex + (radius + _TEXT / self.drawing.projection.scale) * half
         at, _ = self.drawing.projection.paper(middle[None])
-        place = at[0] if note.offset is None else at[0] + np.asarray(note.offset)
+        first_on_paper, _ = self.drawing.projection.paper(there[:1])
+        place = at[0] if note.offset is None else first_on_paper[0] + np.asarray(note.offset)
         arc_on_paper, _ = self.drawing.projection.paper(arc)
         found.measures.append(Measure(note.text or f"{np.degrees(angle):.0f}°", place, arc_on_paper))
 
@@ -200,8 +201,7 @@ class AnnotationDrawer:
             way = bent(course)
         found.arrows.append(way)
         if note.text:
-            middle = way[len(way) // 2]
-            at = beside(way, way, []) if note.offset is None else middle + np.asarray(note.offset)
+            at = beside(way, way, []) if note.offset is None else paper[0] + np.asarray(note.offset)
             found.measures.append(Measure(note.text, at, np.zeros((0, 2))))
 
     def _wounds(self, paper: NDArray[np.float64]) -> NDArray[np.float64]:

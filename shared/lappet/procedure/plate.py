@@ -49,8 +49,8 @@ class PlateAnnotation:
     panels
         Names of the panels on which it stands; none: on each on which all of its anchors are seen.
     offset
-        Of the text's middle from the first anchor on paper in mm, to the right and down; None: the program finds a
-        place.
+        Of the text from the first anchor on paper in mm, to the right and down: of a label the end of its leader, of
+        others the text's middle. None: the program finds a place.
     when_excised
         What happens to it on panels on which the tissue of an anchor is gone.
     """
