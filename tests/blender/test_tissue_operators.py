@@ -6,9 +6,11 @@ import bpy
 import numpy as np
 import pytest
 
+from lappet.checks.suspicious_tissue import size_problems
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
+from lappet_blender.interface.problem_sentence import problem_sentence
 from lappet_blender.tissue.set_tissue import set_tissue
 from refusals import refusal_code
 from tissue_scenes import add_box, add_sheet, fill_with_patch, read
@@ -268,6 +270,6 @@ def test_a_head_of_25_m_is_noticed_when_it_becomes_the_tissue(scene: bpy.types.S
     """Modeled in centimetres, in a scene whose unit is a metre."""
     bpy.ops.mesh.primitive_uv_sphere_add(radius=12.5)
     said = set_tissue(scene, bpy.context.object, 0.0, 0.0, "skin")
-    assert said is not None
-    assert "25000 mm long" in said
-    assert "unit scale" in said
+    (found,) = size_problems(read(scene).tissue.points)
+    assert (found.code, found.value) == (ProblemCode.TISSUE_LARGE, "25000")
+    assert said == problem_sentence(found)

@@ -233,12 +233,15 @@ class SutureThread:
             self._stitches[key] = None if deep else self._made(epoch, index, near)
         return self._stitches[key]
 
-    def _made(self, epoch: SkinEpoch, index: int, near: TrianglesNear) -> Stitch:
+    def _made(self, epoch: SkinEpoch, index: int, near: TrianglesNear) -> Stitch | None:
+        """A stitch, None where there is no skin near an end: of a suture that came to no rest."""
         points, anchors = self._source.suture_apart(epoch, index)
         radius = 2.0 * BITE * self._scale
         lips = []
         for end in anchors:
             around = near.around(end, radius + 3.0 * near.longest)
+            if not (epoch.origin[around] == SKIN).any():
+                return None
             lips.append(find_lip(points, epoch.triangles[around], epoch.origin[around], end, radius))
         last = self._source.suture_closed(epoch, index)
         closed = self._source.positions(epoch, last)

@@ -18,13 +18,13 @@ from lappet.output.drawn_instruments import write_instruments
 from lappet.output.named_steps import write_steps
 from lappet.output.preview_materials import LOOK_ROOT, SKIN_ROOT, bind, define_material, read_color, write_look_variants
 from lappet.procedure import Procedure
-from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, SCENERY, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, PLATES, SCENERY, SKIN_LINES, TIMELINE, TISSUE
 from lappet.program.program import Program
 from lappet.usd.stage import pxr
 from lappet.usd.writer import layer as procedure_layer
 
 # Drawings of what is planned, and tables: of no use to a viewer, whatever it thinks of visibility or of purpose.
-PLANS = (TISSUE, TIMELINE, SKIN_LINES, ANATOMY, FLAPS, MATERIALS)
+PLANS = (TISSUE, TIMELINE, SKIN_LINES, ANATOMY, FLAPS, PLATES, MATERIALS)
 TABLES = ("Layers", "Reactions", "Sections", "Steps")
 MEASURED = ("Sutures", "Threads", "Hooks", "Seams")
 
@@ -37,7 +37,7 @@ def dress(layer: Any, path: Path, procedure: Procedure, program: Program, frames
     layer
         The cache's layer, with everything else.
     path
-        Its file, for messages.
+        The procedure's file, by whose name it is shown; the cache's own name is not in it.
     procedure
         The procedure.
     program

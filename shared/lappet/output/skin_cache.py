@@ -74,7 +74,7 @@ def write_skin_cache(
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
     _author(layer, procedure, program, frames, last_key)
     _add_measures(pxr().Usd.Stage.Open(layer), program, frames, measures)
-    dress(layer, output, procedure, program, frames)
+    dress(layer, Path(procedure_path), procedure, program, frames)
     # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
     layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
