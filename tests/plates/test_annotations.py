@@ -10,6 +10,7 @@ import pytest
 import synthetic_skin_cache as synthetic
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
+from lappet.plates.plate_cache import open_cache
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import PlatePage, plate_page
 from lappet.plates.plate_panel import PagePanel
@@ -23,6 +24,12 @@ from refusals import refuses
 
 WHOLE = PlateStep(1.0, StepKind.PLAN, PlatePanel("whole", time=1.0))
 OPEN = PlateStep(float(synthetic.LIFTED), StepKind.RAISED, PlatePanel("open", time=float(synthetic.LIFTED)))
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> SkinCache:
+    """The incision on a coarse mesh: what is asked for here does not depend on it."""
+    return open_cache(synthetic.write_cache(tmp_path_factory.mktemp("coarse"), step=4.0))
 
 
 def drawn(cache: SkinCache, font: PlateFont, steps: tuple[PlateStep, ...], *notes: PlateAnnotation) -> PlatePage:

@@ -11,6 +11,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.planned_panels import plate_panels
+from lappet.plates.plate_cache import open_cache
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import PlatePage, plate_page
 from lappet.plates.plate_request import PlateRequest, PlateRow
@@ -19,6 +20,12 @@ from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import plate_words
 from lappet.procedure.plate import Plate, PlateAnnotation, PlatePanel
 from refusals import refuses
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> SkinCache:
+    """The incision on a coarse mesh: what is asked for here does not depend on it."""
+    return open_cache(synthetic.write_cache(tmp_path_factory.mktemp("coarse"), step=4.0))
 
 
 def page_of(cache: SkinCache, font: PlateFont, plate: Plate) -> PlatePage:
