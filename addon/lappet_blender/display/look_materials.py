@@ -14,7 +14,8 @@ from lappet.drawing.skin_source import SCALARS
 from lappet.procedure import VESSEL_KINDS
 
 from ..look import skin_material
-from ..look.skin_material import GRID_INK, Space
+from ..look.material_nodes import Space
+from ..look.skin_material import GRID_INK
 
 PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
 _MADE_FOR = "lappet_made_for"

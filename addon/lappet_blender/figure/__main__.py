@@ -8,15 +8,12 @@ status 1. Blender's own messages go to standard error.
 from __future__ import annotations
 
 import argparse
-import json
-import os
 import signal
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import Protocol
 
 import bpy
 import numpy as np
@@ -54,9 +51,10 @@ from ..look.skin_material import (
     vessel_material,
     wall_material,
 )
-from ..look.tube import add_tube_object, draw_tubes
 from ..look.vessel_tubes import VesselTubes
 from .caption import load_picture, save_picture, shrunk
+from .drawn_part import DrawnTubes, ScenePart
+from .figure_messages import messages
 from .figure_scene import (
     ENGINES,
     add_backdrop,
@@ -107,25 +105,6 @@ class FigureRequest:
 Tubes = tuple[str, TubePart, bpy.types.Material, int]
 
 
-class ScenePart(Protocol):
-    """Something in the scene that follows the frame."""
-
-    def show(self, time: float) -> None:
-        """Draw what there is at a frame."""
-
-
-class Drawn:
-    """A part in the scene."""
-
-    def __init__(self, name: str, part: TubePart, material: bpy.types.Material, sides: int) -> None:
-        self._part, self._sides = part, sides
-        self._object = add_tube_object(name, material)
-
-    def show(self, time: float) -> None:
-        """Draw what there is at a frame and nothing else."""
-        draw_tubes(self._object, *self._part.tubes(time), self._sides)
-
-
 class Plate:
     """The scene of one cache: shows a frame and renders it."""
 
@@ -166,7 +145,7 @@ class Plate:
             for kind in VESSEL_KINDS:
                 tubes.append((f"Section: {kind}", SectionDiscs(cache, plane, kind), vessel_material(kind), 24))
             tubes.append(("Section: lumen", SectionDiscs(cache, plane, "", lumen=True), lumen_material(), 24))
-        self._parts = (*solid, *(Drawn(*each) for each in tubes))
+        self._parts = (*solid, *(DrawnTubes(*each) for each in tubes))
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)
         )
@@ -379,13 +358,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Draw figures as the command line asks; return the exit status."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # an interrupt ends a long render at once
     request = parse_request(arguments)
-    lines = os.fdopen(os.dup(1), "w", buffering=1, encoding="utf-8")
-    os.dup2(2, 1)  # Blender prints to standard output; keep that for progress
-
-    def say(**message: object) -> None:
-        lines.write(json.dumps(message) + "\n")
-        lines.flush()
-
+    say = messages()
     try:
         draw_figures(
             request,

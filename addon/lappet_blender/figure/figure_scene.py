@@ -79,10 +79,10 @@ def _add_light(
     studio.collection.objects.link(light)
 
 
-def add_lights(field: SurgicalField, studio: Studio) -> None:
-    """Key from the upper left, fill from the right, rim from behind, and an even sky."""
+def add_lights(field: SurgicalField, studio: Studio, key: float = 11.5, sky: float = 0.36) -> None:
+    """Key from the upper left, fill from the right, rim from behind, and an even sky. key, sky: their strengths."""
     reach = 4.5 * field.extent
-    _add_light("Key", studio, field, reach, (-0.85, 0.55, 1.0), 0.45, 11.5)
+    _add_light("Key", studio, field, reach, (-0.85, 0.55, 1.0), 0.45, key)
     _add_light("Fill", studio, field, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
     _add_light("Rim", studio, field, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
     world = bpy.data.worlds.new("World")
@@ -91,7 +91,7 @@ def add_lights(field: SurgicalField, studio: Studio) -> None:
         world.use_nodes = True
     background = next(n for n in world.node_tree.nodes if n.type == "BACKGROUND")
     background.inputs["Color"].default_value = (0.93, 0.96, 1.0, 1.0)
-    background.inputs["Strength"].default_value = 0.36
+    background.inputs["Strength"].default_value = sky
 
 
 def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Material, studio: Studio) -> None:
@@ -147,14 +147,14 @@ def set_size(size: tuple[int, int], samples: int, scene: bpy.types.Scene | None 
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = size[0], size[1], 100
 
 
-def render_png(path: Path) -> None:
-    """Render the scene as it stands to a PNG; the file appears whole or not at all."""
+def render_png(path: Path, mode: str = "RGB") -> None:
+    """Render the scene as it stands to a PNG; the file appears whole or not at all. mode: RGB or RGBA."""
     scene = bpy.context.scene
     draft = path.with_name(f".{path.stem}.part.png")
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):
         settings.media_type = "IMAGE"
-    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", mode, "8"
     settings.compression = 40
     scene.render.filepath = str(draft)
     scene.render.use_file_extension = False

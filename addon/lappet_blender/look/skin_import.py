@@ -105,6 +105,7 @@ class SkinObject:
         set_attribute(mesh, "depth", "FLOAT", "POINT", self._cache.depth(epoch))
         rows = layer_rows(self._cache.layers, self._cache.column(epoch))
         set_attribute(mesh, ROW, "FLOAT", "FACE", rows)
+        set_attribute(mesh, "rest", "FLOAT_VECTOR", "POINT", self._cache.rest(epoch).astype(np.float32))
         return mesh
 
 

@@ -5,7 +5,6 @@ Lengths in the shaders are mm through the mesh attributes `grid` (mm on the skin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -17,6 +16,7 @@ from lappet.drawing.skin_source import SCALARS
 from lappet.procedure.vessel import VESSEL_COLORS
 
 from .layer_image import ROW, depth_reach, layer_image
+from .material_nodes import FIGURE, MaterialNodes, Space
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
@@ -33,98 +33,12 @@ CHECKER_INK = (0.30, 0.135, 0.10, 1.0)
 CHECKER_SHARE = 0.72
 
 
-@dataclass(frozen=True)
-class Space:
-    """Where a material is.
-
-    Blender units per mm, and whether its mesh has the attribute `rest` (mm), on which blotches then ride.
-    """
-
-    units: float = 0.1
-    rest: bool = False
-
-
-FIGURE = Space()
 _MOTTLE, _PALE = 0.22, 0.3
 TRANSLUCENT = 0.35  # opacity of skin and walls through which vessels are to show
 FULL_SCALE = "lappet_full_scale"  # the node that divides `quantity`
 
 
-class _Nodes:
-    """Add nodes to a material's tree and link them; values may be constants or sockets."""
-
-    def __init__(self, name: str, space: Space = FIGURE) -> None:
-        self.space = space
-        self.material = bpy.data.materials.new(name)
-        if not self.material.use_nodes:
-            self.material.use_nodes = True
-        self.tree = self.material.node_tree
-        self.bsdf = next(n for n in self.tree.nodes if n.type == "BSDF_PRINCIPLED")
-
-    def add(self, kind: str, inputs: dict[int | str, Any] | None = None, **settings: Any) -> Any:
-        node = self.tree.nodes.new(kind)
-        for name, setting in settings.items():
-            setattr(node, name, setting)
-        for key, value in (inputs or {}).items():
-            self.put(node.inputs[key], value)
-        return node
-
-    def put(self, socket: Any, value: Any) -> None:
-        if isinstance(value, bpy.types.NodeSocket):
-            self.tree.links.new(value, socket)
-        else:
-            socket.default_value = value
-
-    def math(self, operation: str, a: Any, b: Any = 0.0, c: Any = 0.0) -> Any:
-        return self.add("ShaderNodeMath", {0: a, 1: b, 2: c}, operation=operation).outputs[0]
-
-    def attribute(self, name: str) -> Any:
-        return self.add("ShaderNodeAttribute", attribute_name=name, attribute_type="GEOMETRY")
-
-    def mix(self, factor: Any, a: Any, b: Any) -> Any:
-        node = self.add("ShaderNodeMix", data_type="RGBA")
-        self.put(next(s for s in node.inputs if s.name == "Factor" and s.type == "VALUE"), factor)
-        self.put(next(s for s in node.inputs if s.name == "A" and s.type == "RGBA"), a)
-        self.put(next(s for s in node.inputs if s.name == "B" and s.type == "RGBA"), b)
-        return next(s for s in node.outputs if s.type == "RGBA")
-
-    def ramp(self, value: Any, stops: Any, interpolation: str = "LINEAR") -> Any:
-        node = self.add("ShaderNodeValToRGB", {0: value})
-        node.color_ramp.interpolation = interpolation
-        for k, (position, color) in enumerate(stops):
-            element = node.color_ramp.elements[k] if k < 2 else node.color_ramp.elements.new(position)
-            element.position, element.color = position, (*color[:3], 1.0)
-        return node.outputs[0]
-
-    def position(self) -> Any:
-        """In cm."""
-        if not self.space.rest:
-            return self.add("ShaderNodeTexCoord").outputs["Object"]
-        at = self.attribute("rest").outputs["Vector"]
-        scaled = self.add("ShaderNodeVectorMath", {0: at}, operation="SCALE")
-        scaled.inputs["Scale"].default_value = 0.1
-        return scaled.outputs[0]
-
-    def noise(self, scale: float, detail: float = 2.0) -> Any:
-        position = self.position()
-        return self.add("ShaderNodeTexNoise", {"Vector": position, "Scale": scale, "Detail": detail}).outputs[0]
-
-    def bump(self, height: Any, strength: float, distance: float) -> None:
-        node = self.add(
-            "ShaderNodeBump", {"Height": height, "Strength": strength, "Distance": distance * self.space.units / 0.1}
-        )
-        self.put(self.bsdf.inputs["Normal"], node.outputs[0])
-
-    def finish(self, color: Any, **inputs: Any) -> bpy.types.Material:
-        self.put(self.bsdf.inputs["Base Color"], color)
-        for name, value in inputs.items():
-            self.put(self.bsdf.inputs[name.replace("_", " ")], value)
-        if not isinstance(color, bpy.types.NodeSocket):
-            self.material.diffuse_color = color
-        return self.material
-
-
-def _lines(nodes: _Nodes, coordinate: Any, pitch: float, width: float) -> Any:
+def _lines(nodes: MaterialNodes, coordinate: Any, pitch: float, width: float) -> Any:
     """1 on lines of a width (mm) at every multiple of a pitch (mm), with edges softened over a third of the width."""
     away = nodes.math("PINGPONG", coordinate, pitch / 2)
     edge = nodes.add(
@@ -135,7 +49,7 @@ def _lines(nodes: _Nodes, coordinate: Any, pitch: float, width: float) -> Any:
     return edge.outputs[0]
 
 
-def _grid(nodes: _Nodes, pixel: float) -> Any:
+def _grid(nodes: MaterialNodes, pixel: float) -> Any:
     """How much ink (0 to 1) the printed grid lays on the skin; pixel: size of a picture's pixel on the skin, mm."""
     parts = nodes.add("ShaderNodeSeparateXYZ", {0: nodes.attribute("grid").outputs["Vector"]})
     heavy = max(0.24, 1.5 * pixel)
@@ -149,7 +63,7 @@ def _grid(nodes: _Nodes, pixel: float) -> Any:
     return nodes.math("MAXIMUM", nodes.math("MULTIPLY", wide, INK_SHARE), nodes.math("MULTIPLY", ticks, strength))
 
 
-def _checker(nodes: _Nodes) -> Any:
+def _checker(nodes: MaterialNodes) -> Any:
     """0 and 1 on the squares of a checkerboard of `GRID_PITCH`."""
     parts = nodes.add("ShaderNodeSeparateXYZ", {0: nodes.attribute("grid").outputs["Vector"]})
     u, v = (nodes.math("FLOOR", nodes.math("DIVIDE", parts.outputs[k], GRID_PITCH)) for k in (0, 1))
@@ -170,7 +84,7 @@ def skin_material(
 
     pixel: size of a picture's pixel on the skin, mm. opacity: below 1 what lies in the tissue shows through.
     """
-    nodes = _Nodes("Skin", space)
+    nodes = MaterialNodes("Skin", space)
     mottle = nodes.noise(1.1, 3.0)
     tone = nodes.ramp(mottle, ((0.3, (0.74, 0.455, 0.335)), (0.7, (0.775, 0.50, 0.38))))
     if color in SCALARS:
@@ -188,7 +102,7 @@ def skin_material(
     return material
 
 
-def _layer_color(nodes: _Nodes, layers: TissueLayers, uneven: float) -> Any:
+def _layer_color(nodes: MaterialNodes, layers: TissueLayers, uneven: float) -> Any:
     """The color of the layer that a face shows. uneven: by how much the borders of layers waver, mm."""
     depth = nodes.attribute("depth").outputs["Fac"]
     if layers.deepest_border > 0.0:
@@ -209,7 +123,7 @@ def _first_color(layers: TissueLayers) -> tuple[float, float, float, float]:
 
 def wall_material(layers: TissueLayers, space: Space = FIGURE, opacity: float = 1.0) -> bpy.types.Material:
     """A wound wall: the layers of the tissue where they are, moist."""
-    nodes = _Nodes("Wound wall", space)
+    nodes = MaterialNodes("Wound wall", space)
     color = _layer_color(nodes, layers, 0.3)
     nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
     material = nodes.finish(color, Roughness=0.32, Emission_Color=color, Emission_Strength=0.07)
@@ -220,7 +134,7 @@ def wall_material(layers: TissueLayers, space: Space = FIGURE, opacity: float = 
 
 def rim_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Material:
     """The cut rim of a patch: a quiet section through its layers."""
-    nodes = _Nodes("Rim", space)
+    nodes = MaterialNodes("Rim", space)
     pale = nodes.mix(_PALE, _layer_color(nodes, layers, 0.1), SKIN)
     material = nodes.finish(pale, Roughness=0.6)
     material.diffuse_color = _first_color(layers)
@@ -229,18 +143,18 @@ def rim_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Mater
 
 def mucosa_material(space: Space = FIGURE) -> bpy.types.Material:
     """A free border of the tissue, such as the edge of a lid or a lip: moist and red, no cut."""
-    nodes = _Nodes("Mucosa", space)
+    nodes = MaterialNodes("Mucosa", space)
     return nodes.finish(MUCOSA, Roughness=0.3)
 
 
 def plain_material(name: str, color: tuple[float, float, float, float], roughness: float) -> bpy.types.Material:
     """A material of one color."""
-    return _Nodes(name).finish(color, Roughness=roughness)
+    return MaterialNodes(name).finish(color, Roughness=roughness)
 
 
 def underside_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types.Material:
     """The underside of the tissue: its deepest layer, lobules where that is fat."""
-    nodes = _Nodes("Underside", space)
+    nodes = MaterialNodes("Underside", space)
     color = _layer_color(nodes, layers, 0.3)
     if KINDS.index("fat") in layers.kind:
         cells = nodes.add(
@@ -257,12 +171,12 @@ def underside_material(layers: TissueLayers, space: Space = FIGURE) -> bpy.types
 def vessel_material(kind: str) -> bpy.types.Material:
     """A vessel or nerve in the color that atlases give its kind."""
     color = (*VESSEL_COLORS[kind], 1.0)
-    return _Nodes(kind.capitalize()).finish(color, Roughness=0.34, Specular_IOR_Level=0.4)
+    return MaterialNodes(kind.capitalize()).finish(color, Roughness=0.34, Specular_IOR_Level=0.4)
 
 
 def lumen_material() -> bpy.types.Material:
     """The opening of a cut vessel."""
-    return _Nodes("Lumen").finish((0.012, 0.003, 0.003, 1.0), Roughness=0.5)
+    return MaterialNodes("Lumen").finish((0.012, 0.003, 0.003, 1.0), Roughness=0.5)
 
 
 def bed_material(space: Space = FIGURE) -> bpy.types.Material:
@@ -270,7 +184,7 @@ def bed_material(space: Space = FIGURE) -> bpy.types.Material:
 
     A little light of its own, here and on the wall, stands in for the bounces that a deep pocket would need.
     """
-    nodes = _Nodes("Bed", space)
+    nodes = MaterialNodes("Bed", space)
     color = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.62, 0.22, 0.17))))
     nodes.bump(nodes.noise(8.0, 4.0), 0.4, 0.05)
     material = nodes.finish(color, Roughness=0.35, Emission_Color=color, Emission_Strength=0.10)
@@ -280,27 +194,27 @@ def bed_material(space: Space = FIGURE) -> bpy.types.Material:
 
 def edge_material() -> bpy.types.Material:
     """The line of the wound's lips: clotted red."""
-    return _Nodes("Wound edge").finish(EDGE, Roughness=0.6, Specular_IOR_Level=0.2)
+    return MaterialNodes("Wound edge").finish(EDGE, Roughness=0.6, Specular_IOR_Level=0.2)
 
 
 def ink_material() -> bpy.types.Material:
     """The surgeon's marking pen: gentian violet."""
-    return _Nodes("Marking ink").finish(VIOLET, Roughness=0.9, Specular_IOR_Level=0.1)
+    return MaterialNodes("Marking ink").finish(VIOLET, Roughness=0.9, Specular_IOR_Level=0.1)
 
 
 def landmark_material() -> bpy.types.Material:
     """A landmark's bead: surgical blue."""
-    return _Nodes("Landmark").finish((0.02, 0.16, 0.42, 1.0), Roughness=0.4)
+    return MaterialNodes("Landmark").finish((0.02, 0.16, 0.42, 1.0), Roughness=0.4)
 
 
 def thread_material() -> bpy.types.Material:
     """Monofilament nylon, blue-black."""
-    return _Nodes("Thread").finish(THREAD, Roughness=0.32)
+    return MaterialNodes("Thread").finish(THREAD, Roughness=0.32)
 
 
 def steel_material() -> bpy.types.Material:
     """Brushed surgical steel."""
-    return _Nodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.36)
+    return MaterialNodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.36)
 
 
 def glowing_material(name: str, color: tuple[float, float, float, float] | None) -> bpy.types.Material:
@@ -325,4 +239,4 @@ def glowing_material(name: str, color: tuple[float, float, float, float] | None)
 
 def backdrop_material() -> bpy.types.Material:
     """The seamless paper behind the plate."""
-    return _Nodes("Backdrop").finish((0.80, 0.81, 0.815, 1.0), Roughness=1.0, Specular_IOR_Level=0.0)
+    return MaterialNodes("Backdrop").finish((0.80, 0.81, 0.815, 1.0), Roughness=1.0, Specular_IOR_Level=0.0)

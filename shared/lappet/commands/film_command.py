@@ -13,7 +13,7 @@ from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
 
-_STYLES = ("ink", "schematic", "halftone", "wash")
+_STYLES = ("ink", "schematic", "halftone", "wash", "painted")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 _VIEWS = ("oblique", "top", "low")
 

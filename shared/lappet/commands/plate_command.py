@@ -13,7 +13,7 @@ from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
 
-_STYLES = ("ink", "schematic", "halftone", "wash")
+_STYLES = ("ink", "schematic", "halftone", "wash", "painted")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 _MAPS = ("tension", "strain", "stress")
 _VIEWS = ("oblique", "top", "low")
@@ -135,7 +135,7 @@ def plate(
             plate=kept,
             template=template or "",
         )
-        drawn = draw_plate(caches, [picture], options, limits)
+        drawn = draw_plate(caches, [picture], options, limits, lambda line: click.echo(line, err=True))
         for note in drawn.notes:
             click.echo(f"{note.severity}: {note}", err=True)
         click.echo(picture)

@@ -268,11 +268,31 @@ def render_cache(
     )
     with ReadingProcess(CHILD, "values", cache, limits) as look:
         look.result(ValueSizes)
-    return _draw(command, cache, progress or (lambda line: None))
+    return run_figures(command, cache, progress or (lambda line: None))
 
 
-def _draw(command: list[str], cache: Path, say: Progress) -> list[Path]:
-    """Run the figure process to its end; the files in the order in which it wrote them."""
+def run_figures(command: list[str], cache: Path, say: Progress) -> list[Path]:
+    """Run a process that draws to its end. On KeyboardInterrupt it is ended.
+
+    Parameters
+    ----------
+    command
+        The program and its arguments.
+    cache
+        What it draws, for messages.
+    say
+        Called with a line of text for every file.
+
+    Returns
+    -------
+    list[Path]
+        The files in the order in which it wrote them.
+
+    Raises
+    ------
+    RefusedError
+        If bpy is missing, the cache cannot be drawn or the process dies.
+    """
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as chatter:
         process = _start(command, chatter)
         try:

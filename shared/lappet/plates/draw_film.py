@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import FilmFrame, chapters, film_frames
+from lappet.plates.painting import Painted, paint
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
 from lappet.plates.plate_font import PlateFont
@@ -22,7 +23,7 @@ from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep
-from lappet.plates.plate_style import PlateStyle, plate_style
+from lappet.plates.plate_style import PlateStyle, Shading, plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import PlateWords, plate_words
 
@@ -122,11 +123,13 @@ def draw_film(
     title = options.title or cache.name.split(".")[0].replace("_", " ")
     with tempfile.TemporaryDirectory(prefix="lappet_film_") as folder:
         pictures = []
+        total = len(frames) * (2 if style.shading is Shading.PAINTING else 1)
+        paintings = _painted(maker, frames, style, options, Path(folder), lambda done: progress(done, total))
         for number, frame in enumerate(frames):
             picture = Path(folder) / f"{number:05d}.png"
-            _draw(maker, number, frame, words, style, font, options, picture)
+            _draw(maker, number, frame, words, font, options, picture, paintings)
             pictures.append((picture, frame.seconds))
-            progress(number + 1, len(frames))
+            progress(total - len(frames) + number + 1, total)
         told = [(begin, end, caption(step, words)) for begin, end, step in chapters(frames)]
         write_film(pictures, told, title, path, options.size)
     return path
@@ -155,10 +158,10 @@ def _draw(
     number: int,
     frame: FilmFrame,
     words: PlateWords,
-    style: PlateStyle,
     font: PlateFont,
     options: FilmOptions,
     path: Path,
+    paintings: Sequence[Path],
 ) -> None:
     """Draw a picture: names with leaders only where it is held, so that they do not jump about."""
     held = frame.step == frame.caption
@@ -169,8 +172,26 @@ def _draw(
     panel = _without_letter(panel, maker)
     page = PlatePage((WIDTH, maker.size[1] + _BELOW), maker.size, (panel,), said)
     dpi = 25.4 * options.size[0] / WIDTH
-    svg = plate_svg(page, style, font, dpi)
+    below = {0: paintings[number].read_bytes()} if paintings else {}
+    svg = plate_svg(page, maker.style, font, dpi, paintings=below)
     write_plate(svg, page.size, said, font, path, dpi)
+
+
+def _painted(
+    maker: PanelMaker,
+    frames: Sequence[FilmFrame],
+    style: PlateStyle,
+    options: FilmOptions,
+    folder: Path,
+    done: Callable[[int], None],
+) -> list[Path]:
+    """Paint the pictures of a film, where its style is painted."""
+    if style.shading is not Shading.PAINTING:
+        return []
+    scene, request = maker.scenes[0], maker.request
+    wanted = [Painted(scene, each.step.time, maker.size, request.shows_hooks(each.step)) for each in frames]
+    count = iter(range(1, len(frames) + 1))
+    return paint(wanted, options.tone, 25.4 * options.size[0] / WIDTH, folder, lambda line: done(next(count)))
 
 
 def _without_letter(panel: PagePanel, maker: PanelMaker) -> PagePanel:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from lappet.core.problem import Problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.plates.painting import page_paintings
 from lappet.plates.planned_panels import plate_panels
 from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache, plate_of
 from lappet.plates.plate_files import check_format, write_plate
@@ -96,6 +97,7 @@ def draw_plate(
     pictures: Sequence[Path],
     options: PlateOptions = PlateOptions(),
     limits: ReadLimits = DEFAULT_LIMITS,
+    progress: Callable[[str], None] = lambda line: None,
 ) -> DrawnPlate:
     """Draw a plate.
 
@@ -109,6 +111,8 @@ def draw_plate(
         How.
     limits
         What reading may take.
+    progress
+        Called with a line of text for every panel that is painted.
 
     Returns
     -------
@@ -136,7 +140,8 @@ def draw_plate(
     rows = tuple(_row(source, len(caches) > 1, options, kept, notes) for source in sources)
     request = PlateRequest(rows, options.captions, **options.shown, annotations=kept.annotations if kept else ())
     page = plate_page(request, style, words, font)
-    svg = plate_svg(page, style, font, options.dpi, not options.transparent)
+    paintings = page_paintings(page, style, options.tone, options.dpi, progress)
+    svg = plate_svg(page, style, font, options.dpi, not options.transparent, paintings)
     for picture in pictures:
         write_plate(svg, page.size, page.alt, font, picture, options.dpi, options.profile, options.transparent)
     return DrawnPlate(tuple(pictures), (*notes, *(note for panel in page.panels for note in panel.notes.notes)))

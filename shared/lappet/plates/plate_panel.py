@@ -78,6 +78,10 @@ class PagePanel:
     line
         Of an inset, the line from its frame to what it shows in its panel, on the page in mm, shape (2, 2); none of a
         panel that has a place of its own.
+    hooks
+        Whether it shows hooks.
+    section
+        Whether it shows a cross-section.
     """
 
     letter: str
@@ -93,6 +97,8 @@ class PagePanel:
     size: tuple[float, float]
     notes: DrawnAnnotations
     line: NDArray[np.float64] | None = None
+    hooks: bool = False
+    section: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +183,8 @@ class PanelMaker:
         host = PagePanel(
             *(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures)),
             *(self.bar(drawing, self.size) if index == 0 or own_scale else 0.0, goes_on, self.size, notes),
+            hooks=request.shows_hooks(step),
+            section=areas is SECTION_LABELS,
         )
         return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
 
@@ -184,7 +192,7 @@ class PanelMaker:
         """A panel in the corner of another."""
         scene = self._scene(row, step, place.size)
         request = self.request
-        held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
+        held = request.shows_hooks(step)
         drawing = panel_drawing(scene, step.time, place.size, self.style, (), False, held, request.mapped)
         notes = DrawnAnnotations()
         if step.panel is not None:
@@ -200,6 +208,7 @@ class PanelMaker:
         return PagePanel(
             *("", step, scene, (), middle, drawing, (), (), bar, scene.goes_on, place.size, notes),
             line if line is not None else np.zeros((0, 2)),
+            held,
         )
 
     def _scene(self, row: int, step: PlateStep, size: tuple[float, float]) -> PlateScene:
@@ -241,7 +250,7 @@ class PanelMaker:
     ) -> tuple[PanelDrawing, Mapping[AreaKind, str]]:
         """The drawing of a panel and the words for its areas."""
         request, step = self.request, steps[index]
-        held = request.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
+        held = request.shows_hooks(step)
         if cut is not None and step.kind not in _PLANS:
             projection = section_projection(scene, cut, self.size)
             return section_drawing(scene, cut, projection, step.time, held), SECTION_LABELS

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lappet.drawing.skin_read import SkinCache
-from lappet.plates.plate_steps import PlateStep
+from lappet.plates.plate_steps import PlateStep, StepKind
 from lappet.procedure.plate import PlateAnnotation
 
 
@@ -112,3 +112,18 @@ class PlateRequest:
     def panels(self) -> tuple[tuple[int, int], ...]:
         """The row and the step in it of each panel that has a place of its own, in order."""
         return tuple((r, k) for r, row in enumerate(self.rows) for k in range(len(row.steps)) if not row.is_inset(k))
+
+    def shows_hooks(self, step: PlateStep) -> bool:
+        """Tell whether a panel shows the hooks: not where the wound is sewn.
+
+        Parameters
+        ----------
+        step
+            What the panel shows.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
+        return self.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)

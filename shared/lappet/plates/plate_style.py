@@ -22,6 +22,7 @@ class Shading(StrEnum):
     NONE = "none"
     FILLS = "fills"
     WASH = "wash"
+    PAINTING = "painting"
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,12 @@ _PENS = {
     LineKind.SECTION: Pen(0.3, "#8b1e1e", (2.4, 0.9, 0.5, 0.9)),
     LineKind.GHOST: Pen(0.25, "#5a6068", (1.2, 0.8)),
 }
+# The surgeon's marking pen: gentian violet.
+_VIOLET = {kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
+# What a painting shows itself.
+PAINTED = frozenset(
+    {LineKind.CONTOUR, LineKind.WOUND_EDGE, LineKind.WALL_FOOT, LineKind.THREAD, LineKind.INSTRUMENT, LineKind.VESSEL}
+)
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
 _EYES = {
     AreaKind.EYE: "#f7f6f3",
@@ -118,6 +125,7 @@ STYLES = {
     "schematic": PlateStyle("schematic", Shading.FILLS, False, _PENS, _FILLS, _BLUE),
     "halftone": PlateStyle("halftone", Shading.WASH, False, _BLACK, _GREY, _INK),
     "wash": PlateStyle("wash", Shading.WASH, False, _PENS, _FILLS, _BLUE),
+    "painted": PlateStyle("painted", Shading.PAINTING, False, {**_PENS, **_VIOLET}, _FILLS, _BLUE),
 }
 
 

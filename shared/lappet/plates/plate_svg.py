@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import drawsvg
@@ -20,7 +21,7 @@ from lappet.plates.filled_areas import Area, AreaKind
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import CAPTION_SIZE, PlatePage
 from lappet.plates.plate_panel import LABEL_SIZE, LINE, PagePanel
-from lappet.plates.plate_style import POINT, PlateStyle, Shading
+from lappet.plates.plate_style import PAINTED, POINT, PlateStyle, Shading
 from lappet.plates.wash import wash
 
 _INK = "#111111"
@@ -33,7 +34,14 @@ _DIGITS = 3
 _LAYERS = ("shading", "areas", "hatching", "lines", "threads", "instruments", "arrows", "measures", "letters", "labels")
 
 
-def plate_svg(page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, background: bool = True) -> str:
+def plate_svg(
+    page: PlatePage,
+    style: PlateStyle,
+    font: PlateFont,
+    dpi: float,
+    background: bool = True,
+    paintings: Mapping[int, bytes] = MappingProxyType({}),
+) -> str:
     """Write a page as SVG.
 
     Parameters
@@ -48,6 +56,8 @@ def plate_svg(page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, b
         Pixels per inch of shading.
     background
         Whether the paper is white; otherwise it is transparent.
+    paintings
+        By the index of a panel, the PNG that lies below its lines.
 
     Returns
     -------
@@ -56,7 +66,7 @@ def plate_svg(page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, b
     """
     texts = page.texts()
     drawing = drawsvg.Drawing(*page.size, id_prefix="d")
-    for group in _layers(page, style, font, dpi, background):
+    for group in _layers(page, style, font, dpi, background, paintings):
         drawing.append(group)
     svg = str(drawing.as_svg(header=""))
     begin, end = svg.index("<svg"), svg.index(">", svg.index("<svg"))
@@ -79,7 +89,12 @@ def _plain(text: str) -> str:
 
 
 def _layers(
-    page: PlatePage, style: PlateStyle, font: PlateFont, dpi: float, background: bool
+    page: PlatePage,
+    style: PlateStyle,
+    font: PlateFont,
+    dpi: float,
+    background: bool,
+    paintings: Mapping[int, bytes],
 ) -> list[drawsvg.DrawingElement]:
     layers = {name: _layer(name) for name in _LAYERS}
     captions = _layer("captions")
@@ -92,8 +107,12 @@ def _layers(
         groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}") for name in _LAYERS}
         for name in ("shading", "areas"):
             groups[name] = drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}", clip_path=f"url(#{clip.id})")
-        _shade(groups, panel, page, style, dpi)
-        _draw_lines(groups, panel, style)
+        painting = paintings.get(k)
+        if painting is None:
+            _shade(groups, panel, page, style, dpi)
+        else:
+            groups["shading"].append(_picture(panel, painting))
+        _draw_lines(groups, panel, style, painting is not None)
         _annotate(groups, panel, page, style, font)
         for name, group in groups.items():
             if group.children:
@@ -120,21 +139,26 @@ def _round(values: Any) -> list[float]:
 
 
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
-    if style.shading is Shading.FILLS and not page.key:
-        if panel.goes_on:
-            corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
-            groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
-        for area in panel.drawing.areas:
-            groups["areas"].append(_filled(area, style))
-    if style.shading is Shading.WASH or page.key:
+    if page.key or style.shading is Shading.WASH:
         from PIL import Image
 
         picture = wash(panel.drawing, panel.scene.light, style.fills, panel.goes_on, dpi, page.full)
         buffer = io.BytesIO()
         Image.fromarray(picture).save(buffer, "PNG")
-        data = "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
-        corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
-        groups["shading"].append(drawsvg.Image(*corner, *size, path=data, preserveAspectRatio="none"))
+        groups["shading"].append(_picture(panel, buffer.getvalue()))
+    elif style.shading is not Shading.NONE:
+        if panel.goes_on:
+            corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
+            groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
+        for area in panel.drawing.areas:
+            groups["areas"].append(_filled(area, style))
+
+
+def _picture(panel: PagePanel, png: bytes) -> drawsvg.Image:
+    """A picture that fills a panel."""
+    data = "data:image/png;base64," + base64.b64encode(png).decode()
+    corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
+    return drawsvg.Image(*corner, *size, path=data, preserveAspectRatio="none")
 
 
 def _filled(area: Area, style: PlateStyle) -> drawsvg.Path:
@@ -155,8 +179,10 @@ _LAYER_OF = {
 }
 
 
-def _draw_lines(groups: dict[str, drawsvg.Group], panel: PagePanel, style: PlateStyle) -> None:
+def _draw_lines(groups: dict[str, drawsvg.Group], panel: PagePanel, style: PlateStyle, painted: bool) -> None:
     for stroke in panel.drawing.strokes:
+        if painted and stroke.kind in PAINTED:
+            continue
         pen = style.pens[stroke.kind]
         group = groups[_LAYER_OF.get(stroke.kind, "lines")]
         more = {"stroke_dasharray": ",".join(f"{each:g}" for each in pen.dashes)} if pen.dashes else {}

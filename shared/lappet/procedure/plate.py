@@ -10,7 +10,7 @@ from typing import Literal, get_args
 
 from lappet.procedure.exact_values import Point, double_point, set_fields, single_points
 
-PlateStyleName = Literal["ink", "schematic", "halftone", "wash"]
+PlateStyleName = Literal["ink", "schematic", "halftone", "wash", "painted"]
 PlateView = Literal["oblique", "top", "low"]
 PanelStep = Literal["", "plan", "cut", "raised", "placed", "sutured", "result"]
 AnnotationKind = Literal["label", "length", "distance", "angle", "arrow", "pivot"]
