@@ -27,7 +27,7 @@ def draw_plans() -> None:
 
 
 def keep_atlas(folder: Path) -> None:
-    """Copy the results, and the filmstrip of each design as JPEG; designs that the run left out keep their rows."""
+    """Copy the results, and the plate of each design as JPEG; designs that the run left out keep their rows."""
     results = json.loads((folder / "atlas.json").read_text(encoding="utf-8"))
     before = json.loads((DOCS / "atlas.json").read_text(encoding="utf-8"))
     if before["spacing_mm"] != results["spacing_mm"] and len(kept_rows(before, results)):
@@ -35,8 +35,8 @@ def keep_atlas(folder: Path) -> None:
     together = json.dumps(merged(before, results), indent=1, ensure_ascii=False)
     (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
     for row in results["rows"]:
-        strip = Image.open(folder / "pictures" / row["name"] / "filmstrip.png").convert("RGB")
-        strip.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
+        plate = Image.open(folder / f"{row['name']}.png").convert("RGB")
+        plate.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
 
 
 def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any]) -> list[Any]:

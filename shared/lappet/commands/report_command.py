@@ -165,7 +165,7 @@ def tissues(context: click.Context, /, folder: Path) -> None:
 @click.argument("designs", nargs=-1)
 @_output("atlas")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.  [default: 1.33]")
-@click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw a filmstrip of each.")
+@click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw a plate of each.")
 @click.pass_context
 def atlas(
     context: click.Context, /, designs: tuple[str, ...], folder: Path, spacing: float | None, pictures: bool

@@ -9,14 +9,14 @@ from pathlib import Path
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.library import DESIGNS, library_design
 from lappet.designs.library_operation import SPACING, flap_on_patch
-from lappet.output.render import render_cache
 from lappet.output.report import write_report
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
+from lappet.plates.draw_plate import PlateOptions, draw_plate
 from lappet.reports.report_files import head, make_folder, write_json
 from lappet.usd.stage import write_procedure
 
 RESULTS = "atlas.json"
-STRIP = (640, 480)  # pixels of a still, of which a panel takes 7/16
+DPI = 150  # of the plates, for pages of the site
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def run_atlas(
     spacing
         Edge of the lattice's cells in mm.
     pictures
-        Whether to draw a filmstrip of each.
+        Whether to draw a painted plate of each.
 
     Returns
     -------
@@ -110,8 +110,9 @@ def run_atlas(
         files += [source, cache, folder / f"{name}.json"]
         say(f"{name}: {rows[-1].frames} of {rows[-1].of_frames} frames converged, {rows[-1].seconds:.0f} s.")
         if pictures and result.output is not None:
-            drawn = render_cache(cache, folder / "pictures" / name, size=STRIP)
-            files += [path for path in drawn if path.name == "filmstrip.png"]
+            plate = folder / f"{name}.png"
+            draw_plate([cache], [plate], PlateOptions(style="painted", dpi=DPI))
+            files.append(plate)
     results = folder / RESULTS
     write_json(results, head(), rows, spacing_mm=spacing)
     return rows, [*files, results]
