@@ -65,6 +65,22 @@ def test_the_sum_of_lengths_is_the_least_of_all_assignments() -> None:
     assert own == pytest.approx(least, abs=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_neither_labels_nor_leaders_lie_over_letters(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    sites = rng.uniform((-14.0, -18.0), (14.0, 18.0), (5, 2))
+    middles = rng.uniform((-18.0, -20.0), (18.0, 20.0), (6, 2))
+    letters = np.hstack([middles - 1.2, middles + 1.2])
+    inside = ((sites[:, None] > letters[:, :2] - 0.1) & (sites[:, None] < letters[:, 2:] + 0.1)).all(axis=2).any(axis=1)
+    sites = sites[~inside]
+    widths = [9.0] * len(sites)
+    found = place_labels([(f"{k}", site) for k, site in enumerate(sites)], widths, SIZE, LINE, texts=letters)
+    for label, width in zip(found, widths, strict=True):
+        for letter in letters:
+            assert not LineString([label.site, label.port]).intersects(box(*letter))
+            assert not text_box(label, width).intersects(box(*letter))
+
+
 def test_twenty_labels_take_less_than_a_tenth_of_a_second() -> None:
     rng = np.random.default_rng(3)
     placed(rng, 20)

@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from lappet.drawing.quantity_scale import frame_peak, full_value
 from lappet.drawing.skin_read import SkinCache
@@ -152,3 +153,22 @@ def test_a_landmark_is_named_where_the_solve_has_carried_it(cache: SkinCache, fo
 
 def svg_of(page: PlatePage, font: PlateFont) -> str:
     return plate_svg(page, plate_style("ink"), font, 72)
+
+
+@pytest.mark.parametrize(
+    ("size", "dpi"), [((150.0, 84.375), 25.4 * 640 / 150), ((174.0, 120.3), 200), ((85.0, 61.2), 300)]
+)
+def test_a_picture_has_no_seam(tmp_path: Path, font: PlateFont, size: tuple[float, float], dpi: float) -> None:
+    width, height = (f"{each:.3f}" for each in size)
+    svg = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}">'
+        f'<rect width="{width}" height="{height}" fill="#fff"/>'
+        f'<line x1="0" y1="0" x2="{width}" y2="{height}" stroke="#000" stroke-width="1.5"/></svg>'
+    )
+    write_plate(svg, size, "a diagonal", font, tmp_path / "plate.png", dpi)
+    with Image.open(tmp_path / "plate.png") as picture:
+        assert picture.size == tuple(round(side / 25.4 * dpi) for side in size)
+        ink = 255.0 - np.asarray(picture.convert("L"), np.float64)
+    at = (ink * np.arange(ink.shape[1])).sum(axis=1) / ink.sum(axis=1)
+    steps = np.diff(at[20:-20])  # beyond, the line is cut by the border
+    assert np.abs(steps - size[0] / size[1]).max() < 0.15

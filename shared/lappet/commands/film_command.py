@@ -33,6 +33,10 @@ _VIEWS = ("oblique", "top", "low")
 @click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
 @click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
 @click.option("--title", default="", help="The film's title.  [default: the cache's name]")
+@click.option("--card", type=float, default=0.0, show_default=True, help="Seconds of a title card, up to 60.")
+@click.option("--orbit", type=float, default=0.0, show_default=True, help="Degrees by which the camera turns, to 120.")
+@click.option("--dark", is_flag=True, help="A dark ground.")
+@click.option("--transparent", is_flag=True, help="Leave the ground out (.webm, .webp, .png).")
 @reading_options
 @click.pass_context
 def film(context: click.Context, /, cache: Path, film: Path, limits: ReadLimits, **options: Any) -> None:

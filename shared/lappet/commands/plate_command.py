@@ -16,6 +16,7 @@ from lappet.foreign.limits import ReadLimits
 _STYLES = ("ink", "schematic", "halftone", "wash", "painted")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 _MAPS = ("tension", "strain", "stress")
+_JOURNALS = ("springer", "elsevier", "plos")
 _VIEWS = ("oblique", "top", "low")
 _TEMPLATES = ("steps", "atlas", "comparison", "section", "cover")
 _PROCEDURES = (".usda", ".usdc", ".usd")
@@ -68,11 +69,15 @@ class PanelCaption(click.ParamType):
 @click.option("--skin-tone", "tone", type=click.IntRange(1, 10), help="Tone of the skin on the Monk scale, 1 to 10.")
 @click.option("--frames", type=FrameList(), help="Time codes of the panels.  [default: the operation's steps]")
 @click.option("--caption", "captions", type=PanelCaption(), multiple=True, help="A panel's caption in other words.")
-@click.option("--width-mm", "width", type=float, default=174.0, show_default=True, help="Width in print.")
+@click.option("--width-mm", "width", type=float, help="Width in print.  [default: 174, or the journal's widest]")
+@click.option("--text-pt", "text", type=float, help="Size of labels, 7 to 24.  [default: 7, or the journal's least]")
+@click.option("--journal", type=click.Choice(_JOURNALS), default="", help="A publisher whose rules the plate keeps.")
 @click.option("--columns", type=click.IntRange(1, 12), help="Panels in a row.  [default: as many as fit]")
 @click.option("--view", type=click.Choice(_VIEWS), default="oblique", show_default=True, help="Where the camera is.")
 @click.option(
-    "--dpi", type=click.IntRange(72, 2400), default=300, show_default=True, help="Pixels per inch of what is no line."
+    "--dpi",
+    type=click.IntRange(72, 2400),
+    help="Pixels per inch of what is no line.  [default: 300, or the journal's least]",
 )
 @click.option("--language", type=click.Choice(_LANGUAGES), default="en", show_default=True)
 @click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
@@ -107,7 +112,9 @@ def plate(
     language: str,
     own: Path | None,
     font: Path | None,
-    dpi: int,
+    dpi: int | None,
+    text: float | None,
+    journal: str,
     profile: Path | None,
     transparent: bool,
     limits: ReadLimits,
@@ -130,10 +137,14 @@ def plate(
         if kept or template:  # what the user did not say is as the plate has it
             given = click.core.ParameterSource.DEFAULT
             shown = {name: value for name, value in shown.items() if context.get_parameter_source(name) is not given}
+        if shown.get("width") is None:
+            shown.pop("width", None)
         options = PlateOptions(
             *(style, tone, frames, dict(captions), language, own, font, dpi, profile, transparent, shown),
             plate=kept,
             template=template or "",
+            text=text,
+            journal=journal or "",
         )
         drawn = draw_plate(caches, [picture], options, limits, lambda line: click.echo(line, err=True))
         for note in drawn.notes:

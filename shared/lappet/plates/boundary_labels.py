@@ -65,6 +65,7 @@ def place_labels(
     line: float,
     taken: NDArray[np.float64] | None = None,
     panel: str = "",
+    texts: NDArray[np.float64] | None = None,
 ) -> list[PlacedLabel]:
     """Place labels at the sides of a panel.
 
@@ -82,6 +83,9 @@ def place_labels(
         Places in mm that no text should cover, shape (k, 2); where there is no other way it does.
     panel
         What the panel is called in a refusal.
+    texts
+        Boxes of what is written in the panel already (low x, low y, high x, high y), shape (b, 4): neither a label nor
+        a leader runs over one where there is another way.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def place_labels(
     if widths[wide] > room:
         raise refused(ProblemCode.PLATE_LABEL_WIDE, panel, labels[wide][0], room=f"{room:.0f}")
     sites = [np.atleast_2d(np.asarray(site, np.float64)) for _, site in labels]
-    ports = _ports(sites, np.asarray(widths, np.float64), size, line, rows, taken)
+    ports = _ports(sites, np.asarray(widths, np.float64), size, line, rows, (taken, texts))
     chosen = _assigned(ports)
     if chosen is None:
         raise refused(ProblemCode.PLATE_LABELS, panel, len(labels), most=len(labels) - 1)
@@ -119,7 +123,7 @@ def _ports(
     size: tuple[float, float],
     line: float,
     rows: int,
-    taken: NDArray[np.float64] | None,
+    kept_free: tuple[NDArray[np.float64] | None, NDArray[np.float64] | None],
 ) -> _Ports:
     half = 0.5 * np.asarray(size)
     y = (np.arange(rows) + 0.5) * size[1] / rows - half[1]
@@ -131,18 +135,20 @@ def _ports(
         ends[:, half_of] = np.stack(np.broadcast_arrays(inner - sign * _GAP * line, y), axis=-1)
         low, high = np.minimum(inner, outer), np.maximum(inner, outer)
         boxes[:, half_of] = np.stack(np.broadcast_arrays(low, y - 0.5 * line, high, y + 0.5 * line), axis=-1)
-    none = np.zeros((0, 2)) if taken is None else taken
+    taken = np.zeros((0, 2)) if kept_free[0] is None else kept_free[0]
+    texts = np.zeros((0, 4)) if kept_free[1] is None else kept_free[1]
     begins, cost = np.empty_like(ends), np.empty(ends.shape[:2])
     for k, own in enumerate(sites):
         for port in range(2 * rows):
-            effort = _effort(own, ends[k, port], none, line)
+            effort = _effort(own, ends[k, port], taken, line) + _COVERS * _enters(own, ends[k, port], texts)
             best = int(np.argmin(effort))
             begins[k, port], cost[k, port] = own[best], effort[best]
             # A leader that runs back below its own text, and a text over what is taken.
             cost[k, port] += _COVERS * _meets(own[best], ends[k, port], boxes[k, port])
         box = boxes[k][:, None]
-        covered = ((none >= box[..., :2]) & (none <= box[..., 2:])).all(axis=2)
-        cost[k] += _COVERS * covered.any(axis=1)
+        covered = ((taken >= box[..., :2]) & (taken <= box[..., 2:])).all(axis=2)
+        over = ((texts[:, :2] <= box[..., 2:]) & (texts[:, 2:] >= box[..., :2])).all(axis=2)
+        cost[k] += _COVERS * (covered.any(axis=1) | over.any(axis=1))
     return _Ports(begins, ends, boxes, cost)
 
 
@@ -157,6 +163,17 @@ def _effort(
     near = np.linalg.norm(along[:, :, None] - taken, axis=3).min(axis=2) < 0.3 * line
     effort: NDArray[np.float64] = lengths + _ALONG * near.sum(axis=1)
     return effort
+
+
+def _enters(sites: NDArray[np.float64], end: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether the leaders from some sites (c, 2) to a port enter one of some boxes (b, 4), shape (c,)."""
+    way = (end - sites)[:, None]
+    way = np.where(np.abs(way) < 1e-12, 1e-12, way)
+    first, second = ((boxes[:, half] - sites[:, None]) / way for half in (slice(0, 2), slice(2, 4)))
+    near = np.minimum(first, second).max(axis=2, initial=0.0)
+    far = np.maximum(first, second).min(axis=2, initial=1.0)
+    found: NDArray[np.bool_] = (near <= far).any(axis=1)
+    return found
 
 
 def _assigned(ports: _Ports) -> NDArray[np.int64] | None:

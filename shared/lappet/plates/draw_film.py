@@ -12,23 +12,25 @@ import numpy as np
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.plates.film_camera import MOST_TURN, camera_way
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import FilmFrame, chapters, film_frames
+from lappet.plates.page_ground import CLEAR, DARK, WHITE, PageGround
 from lappet.plates.painting import Painted, paint
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import CAPTION_SIZE, PlatePage, checked_texts
-from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
+from lappet.plates.plate_page import PlatePage, checked_texts
+from lappet.plates.plate_panel import LINE, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep
-from lappet.plates.plate_style import PlateStyle, Shading, plate_style
+from lappet.plates.plate_style import Shading, plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import PlateWords, plate_words
+from lappet.plates.title_card import title_card
 
 WIDTH = 150.0  # mm: a page of this width fills the picture, so that text is read from the last row
-_BELOW = 1.5 + LINE * CAPTION_SIZE  # mm of the caption
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,12 @@ class FilmOptions:
         One of `lappet.drawing.framing.VIEWS`.
     title
         The film's title; "" for the cache's name.
+    card
+        Seconds for which the title and the steps are shown before all else; 0: not at all.
+    orbit
+        Degrees by which the camera turns about the operation from the first picture to the last; 0: it stands.
+    dark, transparent
+        Whether the ground is dark, or left out.
     """
 
     style: str = "schematic"
@@ -69,6 +77,15 @@ class FilmOptions:
     pause: float = 2.0
     view: str = "oblique"
     title: str = ""
+    card: float = 0.0
+    orbit: float = 0.0
+    dark: bool = False
+    transparent: bool = False
+
+    @property
+    def ground(self) -> PageGround:
+        """The ground of its pictures."""
+        return CLEAR if self.transparent else DARK if self.dark else WHITE
 
 
 def draw_film(
@@ -105,33 +122,36 @@ def draw_film(
     OSError
         If a file cannot be written.
     """
-    check_film(path, options.size)
-    if not (0.1 <= options.fps <= 60.0 and 0.0 < options.pause <= 60.0):
-        raise refused(ProblemCode.FILM_SPEED, path, f"{options.fps:g} and {options.pause:g}")
+    check_film(path, options.size, options.transparent)
+    _check(path, options)
     words, font = plate_words(options.language, options.own), PlateFont(options.font)
     style = plate_style(options.style, options.tone)
+    below = 1.5 + LINE * style.caption_size  # mm of the caption
     source = open_cache(cache, limits)
     steps = chosen_steps(source)
     frames = film_frames(source.frames, steps, options.fps, options.pause)
     request = PlateRequest(
-        (PlateRow(source, tuple(each.step for each in frames)),), {}, WIDTH, 1, options.view, measures=True
+        (PlateRow(source, tuple(each.step for each in frames)),), {}, WIDTH, 1, options.view, bars=True
     )
-    size = (WIDTH, WIDTH * options.size[1] / options.size[0] - _BELOW)
+    size = (WIDTH, WIDTH * options.size[1] / options.size[0] - below)
     scene = plate_scene(source, [step.time for step in steps], options.view, size)
     checked_texts(request, [caption(step, words) for step in steps], words, font)
-    maker = PanelMaker(request, (scene,), style, words, font, size)
+    scenes = camera_way(scene, options.view, size, options.orbit, len(frames))
+    makers = [PanelMaker(request, (each,), style, words, font, size) for each in scenes]
     title = options.title or cache.name.split(".")[0].replace("_", " ")
     with tempfile.TemporaryDirectory(prefix="lappet_film_") as folder:
-        pictures = []
+        pictures = _opened(title, steps, words, makers[0], options, Path(folder))
+        begin = sum(seconds for _, seconds in pictures)
         total = len(frames) * (2 if style.shading is Shading.PAINTING else 1)
-        paintings = _painted(maker, frames, style, options, Path(folder), lambda done: progress(done, total))
+        paintings = _painted(makers, frames, options, Path(folder), lambda done: progress(done, total))
         for number, frame in enumerate(frames):
             picture = Path(folder) / f"{number:05d}.png"
-            _draw(maker, number, frame, words, font, options, picture, paintings)
+            _draw(makers[number], number, frame, words, font, options, picture, paintings)
             pictures.append((picture, frame.seconds))
             progress(total - len(frames) + number + 1, total)
-        told = [(begin, end, caption(step, words)) for begin, end, step in chapters(frames)]
-        write_film(pictures, told, title, path, options.size)
+        told = [(begin + start, begin + end, caption(step, words)) for start, end, step in chapters(frames)]
+        told = [(0.0, begin, title), *told] if begin else told
+        write_film(pictures, told, title, path, options.size, options.transparent)
     return path
 
 
@@ -169,31 +189,58 @@ def _draw(
     said = caption(frame.caption, words)
     middle = np.array([0.5 * WIDTH, 0.5 * maker.size[1]])
     (panel, *_) = own.panels(number, (said,), middle, set())
-    panel = _without_letter(panel, maker)
-    page = PlatePage((WIDTH, maker.size[1] + _BELOW), maker.size, (panel,), said)
+    panel = replace(panel, letter="")  # it is alone
+    page = PlatePage(_page_size(options), maker.size, (panel,), said)
     dpi = 25.4 * options.size[0] / WIDTH
     below = {0: paintings[number].read_bytes()} if paintings else {}
-    svg = plate_svg(page, maker.style, font, dpi, paintings=below)
-    write_plate(svg, page.size, said, font, path, dpi)
+    svg = plate_svg(page, maker.style, font, dpi, options.ground, below)
+    write_plate(svg, page.size, said, font, path, dpi, transparent=options.transparent)
 
 
 def _painted(
-    maker: PanelMaker,
+    makers: Sequence[PanelMaker],
     frames: Sequence[FilmFrame],
-    style: PlateStyle,
     options: FilmOptions,
     folder: Path,
     done: Callable[[int], None],
 ) -> list[Path]:
     """Paint the pictures of a film, where its style is painted."""
-    if style.shading is not Shading.PAINTING:
+    if makers[0].style.shading is not Shading.PAINTING:
         return []
-    scene, request = maker.scenes[0], maker.request
-    wanted = [Painted(scene, each.step.time, maker.size, request.shows_hooks(each.step)) for each in frames]
+    wanted = [
+        Painted(maker.scenes[0], each.step.time, maker.size, maker.request.shows_hooks(each.step))
+        for maker, each in zip(makers, frames, strict=True)
+    ]
     count = iter(range(1, len(frames) + 1))
     return paint(wanted, options.tone, 25.4 * options.size[0] / WIDTH, folder, lambda line: done(next(count)))
 
 
-def _without_letter(panel: PagePanel, maker: PanelMaker) -> PagePanel:
-    """A panel that is alone has no letter, and each has the scale bar."""
-    return replace(panel, letter="", bar=maker.bar(panel.drawing, panel.size))
+def _page_size(options: FilmOptions) -> tuple[float, float]:
+    """Width and height of a picture in mm."""
+    return WIDTH, WIDTH * options.size[1] / options.size[0]
+
+
+def _check(path: Path, options: FilmOptions) -> None:
+    """Refuse times and turns that no film has."""
+    if not (0.1 <= options.fps <= 60.0 and 0.0 < options.pause <= 60.0):
+        raise refused(ProblemCode.FILM_SPEED, path, f"{options.fps:g} and {options.pause:g}")
+    if not 0.0 <= options.card <= 60.0:
+        raise refused(ProblemCode.FILM_CARD, path, f"{options.card:g}")
+    if not abs(options.orbit) <= MOST_TURN or (options.orbit and options.view == "top"):
+        raise refused(ProblemCode.FILM_CAMERA, path, f"{options.orbit:g}", most=f"{MOST_TURN:g}")
+    if options.dark and options.transparent:
+        raise refused(ProblemCode.FILM_GROUND, path)
+
+
+def _opened(
+    title: str, steps: Sequence[PlateStep], words: PlateWords, maker: PanelMaker, options: FilmOptions, folder: Path
+) -> list[tuple[Path, float]]:
+    """The title card and how long it is shown, where there is one."""
+    if not options.card:
+        return []
+    size, font, picture = _page_size(options), maker.font, folder / "title.png"
+    font.check([title])
+    said = [caption(step, words) for step in steps]
+    svg = title_card(title, said, size, maker.style, font, options.ground)
+    write_plate(svg, size, title, font, picture, 25.4 * options.size[0] / WIDTH, transparent=options.transparent)
+    return [(picture, options.card)]

@@ -11,6 +11,8 @@ from lappet.core.problem import Problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.plates.journals import Journal, journal_of
+from lappet.plates.page_ground import CLEAR, WHITE
 from lappet.plates.painting import page_paintings
 from lappet.plates.planned_panels import plate_panels
 from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache, plate_of
@@ -18,12 +20,14 @@ from lappet.plates.plate_files import check_format, write_plate
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import plate_page
 from lappet.plates.plate_request import PlateRequest, PlateRow
-from lappet.plates.plate_style import plate_style
+from lappet.plates.plate_style import LEAST_TEXT, PlateStyle, plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_templates import from_template
 from lappet.plates.plate_words import LANGUAGES, plate_words
 from lappet.procedure.plate import Plate
 from lappet.usd.stage import read_procedure
+
+_DPI = 300
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class PlateOptions:
     font
         A font file; None for Source Sans Pro.
     dpi
-        Pixels per inch of what is no line.
+        Pixels per inch of what is no line; None for the least that the journal takes, or 300.
     profile
         ICC profile of a printing process, for a TIFF in CMYK.
     transparent
@@ -59,6 +63,10 @@ class PlateOptions:
         default; "" for none.
     template
         Name of a template that takes its place, "" for none.
+    text
+        Size of labels in points; None for the least that the journal prints, or 7.
+    journal
+        One of `lappet.plates.journals.JOURNALS`, whose rules the plate keeps, or "".
     """
 
     style: str = "schematic"
@@ -68,12 +76,14 @@ class PlateOptions:
     language: str = "en"
     own: Path | None = None
     font: Path | None = None
-    dpi: int = 300
+    dpi: int | None = None
     profile: Path | None = None
     transparent: bool = False
     shown: Mapping[str, Any] = field(default_factory=dict)
     plate: str = ""
     template: str = ""
+    text: float | None = None
+    journal: str = ""
 
 
 @dataclass(frozen=True)
@@ -136,14 +146,18 @@ def draw_plate(
     if kept is not None:
         options = of_plate(options, kept)
     words, font = plate_words(options.language, options.own), PlateFont(options.font)
-    style = plate_style(options.style, options.tone)
+    options, style, journal = _kept_rules(options, tuple(pictures))
+    dpi = options.dpi or _DPI
     rows = tuple(_row(source, len(caches) > 1, options, kept, notes) for source in sources)
     request = PlateRequest(rows, options.captions, **options.shown, annotations=kept.annotations if kept else ())
     page = plate_page(request, style, words, font)
-    paintings = page_paintings(page, style, options.tone, options.dpi, progress)
-    svg = plate_svg(page, style, font, options.dpi, not options.transparent, paintings)
+    if journal is not None:
+        journal.check_height(page.size)
+    paintings = page_paintings(page, style, options.tone, dpi, progress)
+    svg = plate_svg(page, style, font, dpi, CLEAR if options.transparent else WHITE, paintings)
     for picture in pictures:
-        write_plate(svg, page.size, page.alt, font, picture, options.dpi, options.profile, options.transparent)
+        write_plate(svg, page.size, page.alt, font, picture, dpi, options.profile, options.transparent)
+    notes += journal.notes(font.family, tuple(pictures)) if journal is not None else []
     return DrawnPlate(tuple(pictures), (*notes, *(note for panel in page.panels for note in panel.notes.notes)))
 
 
@@ -173,8 +187,9 @@ def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
     section = None
     if plate.section_at is not None and plate.section_normal is not None:
         section = (*plate.section_at, *plate.section_normal)
+    journal = options.journal or plate.journal
     own = {
-        "width": plate.width,
+        "width": None if journal and plate.width == Plate.width else plate.width,
         "columns": plate.columns or None,
         "view": plate.view,
         "labels": plate.labels,
@@ -191,8 +206,23 @@ def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
         style=plate.style if options.style == default.style else options.style,
         tone=(plate.tone or None) if options.tone is None else options.tone,
         language=plate.language if options.language == default.language else options.language,
+        text=(plate.text or None) if options.text is None else options.text,
+        journal=journal,
         shown={**own, **options.shown},
     )
+
+
+def _kept_rules(options: PlateOptions, pictures: tuple[Path, ...]) -> tuple[PlateOptions, PlateStyle, Journal | None]:
+    """Options with what a journal asks where they say nothing, the style, and the journal."""
+    if not options.journal:
+        return options, plate_style(options.style, options.tone, options.text or LEAST_TEXT), None
+    journal = journal_of(options.journal)
+    style = plate_style(options.style, options.tone, options.text or journal.text[0])
+    width = options.shown.get("width") or max(most for _, most, _ in journal.pages)
+    dpi = options.dpi or journal.dpi(style)
+    journal.check(width, style.text, dpi, style, pictures)
+    shown = {**options.shown, "width": width, "small_letters": journal.small_letters}
+    return replace(options, dpi=dpi, shown=shown), style, journal
 
 
 def _row(

@@ -12,6 +12,7 @@ from lappet.core.problem_code import ProblemCode
 
 SUFFIXES = (".mp4", ".webm", ".gif", ".webp", ".png")
 RATE = 24  # pictures per second of the file
+_ALPHA = (".webm", ".webp", ".png")
 _CODECS = {
     ".mp4": ("-c:v", "libx264", "-preset", "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
     ".webm": ("-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-pix_fmt", "yuv420p", "-row-mt", "1"),
@@ -21,7 +22,7 @@ _CODECS = {
 _LOOP_WIDTH = 960  # pixels: loops for pages are made no wider
 
 
-def check_film(path: Path, size: tuple[int, int]) -> str:
+def check_film(path: Path, size: tuple[int, int], transparent: bool = False) -> str:
     """Refuse a film that cannot be written, before it is drawn.
 
     Parameters
@@ -30,6 +31,8 @@ def check_film(path: Path, size: tuple[int, int]) -> str:
         The file.
     size
         Its width and height in pixels.
+    transparent
+        Whether the ground is left out.
 
     Returns
     -------
@@ -39,13 +42,16 @@ def check_film(path: Path, size: tuple[int, int]) -> str:
     Raises
     ------
     RefusedError
-        If its suffix is none of `SUFFIXES`, its folder is missing, or its size is odd or too small.
+        If its suffix is none of `SUFFIXES` or has no transparency, its folder is missing, or its size is odd or too
+        small.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise refused(ProblemCode.FILM_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     if not path.parent.is_dir():
         raise refused(ProblemCode.PLATE_FOLDER, path.parent)
+    if transparent and suffix not in _ALPHA:
+        raise refused(ProblemCode.FILM_ALPHA, path, path.suffix, known=", ".join(_ALPHA))
     if min(size) < 240 or size[0] % 2 or size[1] % 2 or size[0] < size[1]:
         raise refused(ProblemCode.FILM_SIZE, path, f"{size[0]}x{size[1]}")
     return suffix
@@ -57,6 +63,7 @@ def write_film(
     title: str,
     path: Path,
     size: tuple[int, int],
+    transparent: bool = False,
 ) -> None:
     """Write a film.
 
@@ -72,6 +79,8 @@ def write_film(
         The file; of PNG files the pattern of their names, to which their numbers are added.
     size
         Its width and height in pixels.
+    transparent
+        Whether the pictures have an alpha channel that the film keeps.
 
     Raises
     ------
@@ -112,7 +121,7 @@ def write_film(
                     "0:v",
                     "-bitexact",
                 ),
-                *("-vf", scale, "-t", f"{seconds:.6f}", *_CODECS[suffix], str(made)),
+                *("-vf", scale, "-t", f"{seconds:.6f}", *_codec(suffix, transparent), str(made)),
             ],
             capture_output=True,
             text=True,
@@ -122,6 +131,13 @@ def write_film(
             said = done.stderr.strip().splitlines()
             raise refused(ProblemCode.FILM_FAILED, path, reason=said[-1] if said else "it says nothing")
         _replace(made.read_bytes(), path)
+
+
+def _codec(suffix: str, transparent: bool) -> tuple[str, ...]:
+    """FFmpeg's options of a format."""
+    if not transparent:
+        return _CODECS[suffix]
+    return (*(each for each in _CODECS[suffix] if each not in ("-pix_fmt", "yuv420p")), "-pix_fmt", "yuva420p")
 
 
 def _listed(pictures: Sequence[tuple[Path, float]]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.plate_font import PlateFont
 
+_SIZE = re.compile(r'width="[^"]*" height="[^"]*" viewBox="[^"]*"')
+_TRIFLE = 0.02  # pixels
 SUFFIXES = (".svg", ".pdf", ".png", ".tif", ".tiff")
 
 
@@ -89,7 +92,7 @@ def write_plate(
     elif suffix == ".pdf":
         data = _typeset(svg, size, alt, font, format="pdf", pdf_standards=["ua-1"])
     else:
-        data = _typeset(svg, size, alt, font, transparent, format="png", ppi=float(dpi))
+        data = _rastered(svg, size, alt, font, transparent, dpi)
         if suffix != ".png":
             data = _tiff(data, dpi, profile)
         else:
@@ -97,12 +100,26 @@ def write_plate(
     write_whole(path, data)
 
 
+def _rastered(svg: str, size: tuple[float, float], alt: str, font: PlateFont, transparent: bool, dpi: float) -> bytes:
+    """A PNG whose pixels are those of the drawing.
+
+    Typst draws an SVG onto as many pixels as it covers in part and then fits them to the page: a page that is not a
+    whole number of pixels wide loses a column in its middle. So it gets a page of whole pixels, a trifle smaller.
+    """
+    counts = [max(round(side / 25.4 * dpi), 1) for side in size]
+    width, height = (count * 25.4 / dpi for count in counts)
+    head = f'width="{width:.6f}mm" height="{height:.6f}mm" viewBox="0 0 {width:.6f} {height:.6f}"'
+    whole = _SIZE.sub(head, svg, count=1)
+    page = ((counts[0] - _TRIFLE) * 25.4 / dpi, (counts[1] - _TRIFLE) * 25.4 / dpi)
+    return _typeset(whole, page, alt, font, transparent, format="png", ppi=float(dpi))
+
+
 def _typeset(
     svg: str, size: tuple[float, float], alt: str, font: PlateFont, transparent: bool = False, **options: Any
 ) -> bytes:
     import typst
 
-    width, height = (f"{each:.3f}mm" for each in size)
+    width, height = (f"{each:.6f}mm" for each in size)
     quoted = alt.replace("\\", "\\\\").replace('"', '\\"')
     page = (
         f'#set document(title: "{quoted}", date: none)\n'

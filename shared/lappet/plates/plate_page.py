@@ -17,14 +17,13 @@ from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene, at_one_scale, plate_scene
-from lappet.plates.plate_style import POINT, PlateStyle
+from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
 from lappet.plates.skin_anchors import SkinAnchors
 
 LEAST_WIDTH = 40.0  # mm
 WIDEST = 1000.0  # mm
 MOST_PANELS = 26  # as many as there are letters
-CAPTION_SIZE = 8.0 * POINT
 GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
 _ASPECT = 0.75
@@ -116,10 +115,10 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     maker = PanelMaker(
         request, _scenes(request, (width, _ASPECT * width)), style, words, font, (width, _ASPECT * width)
     )
-    indent = font.width("M", CAPTION_SIZE) + 1.5
-    lines = [tuple(font.wrapped(each, CAPTION_SIZE, width - indent)) for each in captions]
+    indent = font.width("M", style.caption_size) + 1.5
+    lines = [tuple(font.wrapped(each, style.caption_size, width - indent)) for each in captions]
     counts = [max(len(each) for each in lines[k : k + columns]) for k in range(0, len(lines), columns)]
-    heights = [maker.size[1] + 1.5 + LINE * CAPTION_SIZE * count + GUTTER for count in counts]
+    heights = [maker.size[1] + 1.5 + LINE * style.caption_size * count + GUTTER for count in counts]
     tops = np.concatenate([[0.0], np.cumsum(heights)])
     panels: list[PagePanel] = []
     told: set[str] = set()

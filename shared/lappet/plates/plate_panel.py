@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from string import ascii_uppercase
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,12 +30,11 @@ from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
-from lappet.plates.plate_style import POINT, PlateStyle
+from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
 from lappet.plates.skin_anchors import SkinAnchors
 
-LABEL_SIZE = 7.0 * POINT  # the least that publishers print
 LINE = 1.2  # times the size of a text
 _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
 _UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
@@ -156,7 +154,7 @@ class PanelMaker:
         """
         request, (row, k) = self.request, self.request.panels[index]
         steps = request.rows[row].steps
-        step, letter = steps[k], ascii_uppercase[index] if index < len(ascii_uppercase) else ""
+        step, letter = steps[k], request.letter(index)
         scene = self._scene(row, step, self.size)
         cut = None if request.section is None else SectionPlane.of(request.section)
         drawing, areas = self._drawing(scene, steps, k, cut)
@@ -176,17 +174,32 @@ class PanelMaker:
             measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
         under = [each.at + _UNDER_TEXT for each in (*measures, *notes.measures)]
         taken = np.vstack([_taken(drawing), *under, *(_filling(place) for place in places)])
-        widths = [self.font.width(text, LABEL_SIZE) for text, _ in named]
-        labels = place_labels(named, widths, self.size, LINE * LABEL_SIZE, taken, letter)
+        widths = [self.font.width(text, self.style.label_size) for text, _ in named]
         own_scale = step.panel is not None and step.panel.at is not None
+        bar = self.bar(drawing, self.size) if index == 0 or own_scale or request.bars else 0.0
+        texts = self._texts(drawing, (*measures, *notes.measures), bar)
+        labels = place_labels(named, widths, self.size, LINE * self.style.label_size, taken, letter, texts)
         goes_on = scene.goes_on and areas is AREA_LABELS
         host = PagePanel(
             *(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures)),
-            *(self.bar(drawing, self.size) if index == 0 or own_scale else 0.0, goes_on, self.size, notes),
+            *(bar, goes_on, self.size, notes),
             hooks=request.shows_hooks(step),
             section=areas is SECTION_LABELS,
         )
         return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
+
+    def _texts(self, drawing: PanelDrawing, measures: Sequence[Measure], bar: float) -> NDArray[np.float64]:
+        """Boxes of letters, of measures and of the scale bar, (b, 4)."""
+        font, style = self.font, self.style
+        placed = [(each.at, font.width(each.text, style.letter_size), style.letter_size) for each in drawing.letters]
+        placed += [(each.at, font.width(each.text, style.label_size), style.label_size) for each in measures]
+        boxes = [[at[0] - 0.5 * w, at[1] - 0.5 * h, at[0] + 0.5 * w, at[1] + 0.5 * h] for at, w, h in placed]
+        if bar:
+            right, bottom = 0.5 * self.size[0], 0.5 * self.size[1]
+            boxes.append(
+                [right - 1.5 - bar * drawing.projection.scale, bottom - 1.5 - 2.0 * style.label_size, right, bottom]
+            )
+        return np.array(boxes, np.float64).reshape(-1, 4)
 
     def _inset(self, row: int, step: PlateStep, place: InsetPlace, host: PagePanel) -> PagePanel:
         """A panel in the corner of another."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from string import ascii_lowercase, ascii_uppercase
 
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.plate_steps import PlateStep, StepKind
@@ -91,6 +92,10 @@ class PlateRequest:
         A quantity of the skin that is mapped in color, one of `lappet.drawing.skin_source.SCALARS`, or None.
     annotations
         What is written and drawn besides, anchored to the tissue.
+    small_letters
+        Whether panels are called a, b, c and not A, B, C.
+    bars
+        Whether each panel has a scale bar, and not only the first.
     """
 
     rows: tuple[PlateRow, ...]
@@ -107,6 +112,24 @@ class PlateRequest:
     section: tuple[float, ...] | None = None
     mapped: str | None = None
     annotations: tuple[PlateAnnotation, ...] = ()
+    small_letters: bool = False
+    bars: bool = False
+
+    def letter(self, index: int) -> str:
+        """Name a panel.
+
+        Parameters
+        ----------
+        index
+            Its index.
+
+        Returns
+        -------
+        str
+            Its letter; empty beyond the alphabet.
+        """
+        letters = ascii_lowercase if self.small_letters else ascii_uppercase
+        return letters[index] if index < len(letters) else ""
 
     @property
     def panels(self) -> tuple[tuple[int, int], ...]:

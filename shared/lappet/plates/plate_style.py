@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import AreaKind
 
@@ -14,6 +16,7 @@ MONK = (
     *("#a07e56", "#825c43", "#604134", "#3a312a", "#292420"),
 )
 POINT = 25.4 / 72.0  # mm
+LEAST_TEXT, MOST_TEXT = 7.0, 24.0  # pt: what publishers print, what a panel has room for
 
 
 class Shading(StrEnum):
@@ -62,6 +65,8 @@ class PlateStyle:
         Color of each kind of area.
     accent
         Color of arrows.
+    text
+        Size of labels and measures in points; captions are a point larger, letters at corners one and a half.
     """
 
     name: str
@@ -70,6 +75,22 @@ class PlateStyle:
     pens: dict[LineKind, Pen]
     fills: dict[AreaKind, str]
     accent: str
+    text: float = LEAST_TEXT
+
+    @property
+    def label_size(self) -> float:
+        """Size of labels and measures in mm."""
+        return self.text * POINT
+
+    @property
+    def caption_size(self) -> float:
+        """Size of captions in mm."""
+        return (self.text + 1.0) * POINT
+
+    @property
+    def letter_size(self) -> float:
+        """Size of letters at corners in mm."""
+        return (self.text + 1.5) * POINT
 
 
 _INK = "#111111"
@@ -129,7 +150,7 @@ STYLES = {
 }
 
 
-def plate_style(name: str, tone: int | None = None) -> PlateStyle:
+def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT) -> PlateStyle:
     """Choose a style.
 
     Parameters
@@ -138,13 +159,22 @@ def plate_style(name: str, tone: int | None = None) -> PlateStyle:
         One of `STYLES`.
     tone
         Tone of the skin on the Monk scale, 1 to 10; None for the style's own.
+    text
+        Size of labels and measures in points.
 
     Returns
     -------
     PlateStyle
         The style. On dark skin plans are drawn in white.
+
+    Raises
+    ------
+    RefusedError
+        If the text is smaller than publishers print, or larger than a panel has room for.
     """
-    style = STYLES[name]
+    if not LEAST_TEXT <= text <= MOST_TEXT:
+        raise refused(ProblemCode.PLATE_TEXT, "", f"{text:g}", least=f"{LEAST_TEXT:g}", most=f"{MOST_TEXT:g}")
+    style = replace(STYLES[name], text=text)
     if tone is None or style.fills is _GREY:
         return style
     fills = {**style.fills, AreaKind.SKIN: MONK[tone - 1]}

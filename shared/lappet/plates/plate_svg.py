@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from lappet.drawing.quantity_scale import ramp_display
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import Area, AreaKind
+from lappet.plates.page_ground import WHITE, PageGround
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_page import CAPTION_SIZE, PlatePage
-from lappet.plates.plate_panel import LABEL_SIZE, LINE, PagePanel
+from lappet.plates.plate_page import PlatePage
+from lappet.plates.plate_panel import LINE, PagePanel
 from lappet.plates.plate_style import PAINTED, POINT, PlateStyle, Shading
 from lappet.plates.wash import wash
 
 _INK = "#111111"
 _HALO = "#ffffff"
 _FINE = 0.5 * POINT  # the least width of a line in print
-_LETTER_SIZE = 8.5 * POINT
 _SITE = 0.35  # mm: radius of the dot at which a leader ends
 _HEAD = 2.2  # mm: length of an arrow's head
 _DIGITS = 3
@@ -39,7 +39,7 @@ def plate_svg(
     style: PlateStyle,
     font: PlateFont,
     dpi: float,
-    background: bool = True,
+    ground: PageGround = WHITE,
     paintings: Mapping[int, bytes] = MappingProxyType({}),
 ) -> str:
     """Write a page as SVG.
@@ -54,8 +54,8 @@ def plate_svg(
         Its font; the part that is needed is embedded.
     dpi
         Pixels per inch of shading.
-    background
-        Whether the paper is white; otherwise it is transparent.
+    ground
+        Color of the paper and of captions.
     paintings
         By the index of a panel, the PNG that lies below its lines.
 
@@ -66,7 +66,7 @@ def plate_svg(
     """
     texts = page.texts()
     drawing = drawsvg.Drawing(*page.size, id_prefix="d")
-    for group in _layers(page, style, font, dpi, background, paintings):
+    for group in _layers(page, style, font, dpi, ground, paintings):
         drawing.append(group)
     svg = str(drawing.as_svg(header=""))
     begin, end = svg.index("<svg"), svg.index(">", svg.index("<svg"))
@@ -93,7 +93,7 @@ def _layers(
     style: PlateStyle,
     font: PlateFont,
     dpi: float,
-    background: bool,
+    ground: PageGround,
     paintings: Mapping[int, bytes],
 ) -> list[drawsvg.DrawingElement]:
     layers = {name: _layer(name) for name in _LAYERS}
@@ -107,6 +107,9 @@ def _layers(
         groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}") for name in _LAYERS}
         for name in ("shading", "areas"):
             groups[name] = drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}", clip_path=f"url(#{clip.id})")
+        if style.shading is Shading.NONE and ground.paper not in ("", WHITE.paper):  # black lines need white below them
+            corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
+            groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=WHITE.paper))
         painting = paintings.get(k)
         if painting is None:
             _shade(groups, panel, page, style, dpi)
@@ -118,10 +121,10 @@ def _layers(
             if group.children:
                 layers[name].append(group)
         if panel.line is None:
-            captions.append(_caption(panel, font))
+            captions.append(_caption(panel, style, font, ground.ink))
         else:
             _frame(groups["measures"], panel)
-    paper = [drawsvg.Rectangle(0, 0, *_round(page.size), fill="#ffffff")] if background else []
+    paper = [drawsvg.Rectangle(0, 0, *_round(page.size), fill=ground.paper)] if ground.paper else []
     return [*defs, *paper, *(layers[name] for name in _LAYERS if layers[name].children), captions]
 
 
@@ -216,20 +219,20 @@ def _annotate(
     for measure in (*panel.measures, *panel.notes.measures):
         if len(measure.arc):
             groups["measures"].append(_line(measure.arc, _FINE, _INK))
-        groups["measures"].append(_text(measure.text, measure.at, LABEL_SIZE, font, "middle"))
+        groups["measures"].append(_text(measure.text, measure.at, style.label_size, font, "middle"))
     for letter in panel.drawing.letters:
-        groups["letters"].append(_text(letter.text, letter.at, _LETTER_SIZE, font, "middle", style="italic"))
+        groups["letters"].append(_text(letter.text, letter.at, style.letter_size, font, "middle", style="italic"))
     for label in (*panel.labels, *panel.notes.placed):
         groups["labels"].append(_line(np.stack([label.port, label.site]), 1.6 * _FINE + 0.25, _HALO))
         groups["labels"].append(_line(np.stack([label.port, label.site]), _FINE, _INK))
         groups["labels"].append(drawsvg.Circle(*_round(label.site), _SITE, fill=_INK))
-        gap = 0.4 * LINE * LABEL_SIZE * (-1.0 if label.left else 1.0)
+        gap = 0.4 * LINE * style.label_size * (-1.0 if label.left else 1.0)
         at = label.port + np.array([gap, 0.0])
-        groups["labels"].append(_text(label.text, at, LABEL_SIZE, font, "end" if label.left else "start"))
+        groups["labels"].append(_text(label.text, at, style.label_size, font, "end" if label.left else "start"))
     if page.key and panel is [each for each in page.panels if each.line is None][-1]:
-        _key(groups["measures"], page, font)
+        _key(groups["measures"], page, style, font)
     if panel.bar:
-        _bar(groups["measures"], panel, font)
+        _bar(groups["measures"], panel, style, font)
 
 
 def _frame(group: drawsvg.Group, panel: PagePanel) -> None:
@@ -267,19 +270,20 @@ def _arrow(group: drawsvg.Group, way: NDArray[np.float64], color: str) -> None:
     group.append(drawsvg.Lines(*_round(head), close=True, fill=color))
 
 
-def _bar(group: drawsvg.Group, panel: PagePanel, font: PlateFont) -> None:
+def _bar(group: drawsvg.Group, panel: PagePanel, style: PlateStyle, font: PlateFont) -> None:
     length = panel.bar * panel.drawing.projection.scale
     right, bottom = 0.5 * panel.size[0] - 1.5, 0.5 * panel.size[1] - 1.5
     bar = np.array([[right - length, bottom], [right, bottom]])
     group.append(_line(bar, 1.0, _HALO))
     group.append(_line(bar, 0.5, _INK))
-    at = np.array([right - 0.5 * length, bottom - 0.75 * LABEL_SIZE])
-    group.append(_text(f"{panel.bar:g} mm", at, LABEL_SIZE, font, "middle"))
+    at = np.array([right - 0.5 * length, bottom - 0.75 * style.label_size])
+    group.append(_text(f"{panel.bar:g} mm", at, style.label_size, font, "middle"))
 
 
-def _key(group: drawsvg.Group, page: PlatePage, font: PlateFont) -> None:
+def _key(group: drawsvg.Group, page: PlatePage, style: PlateStyle, font: PlateFont) -> None:
     """The color key of a map, in the lower left of a panel."""
-    left, bottom = -0.5 * page.panel[0] + 2.0, 0.5 * page.panel[1] - 1.5 - LINE * LABEL_SIZE
+    size = style.label_size
+    left, bottom = -0.5 * page.panel[0] + 2.0, 0.5 * page.panel[1] - 1.5 - LINE * size
     width, height, count = 0.36 * page.panel[0], 1.8, 36
     colors = np.rint(255.0 * ramp_display(np.linspace(0.0, 1.0, count))).astype(int)
     for k, color in enumerate(colors):
@@ -287,21 +291,23 @@ def _key(group: drawsvg.Group, page: PlatePage, font: PlateFont) -> None:
         fill = "#" + "".join(f"{each:02x}" for each in color)
         group.append(drawsvg.Rectangle(*corner, *_round((1.05 * width / count, height)), fill=fill))
     name, low, top = page.key
-    group.append(_text(name, np.array([left, bottom - height - 0.8 * LABEL_SIZE]), LABEL_SIZE, font, "start"))
-    group.append(_text(low, np.array([left, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "start"))
-    group.append(_text(top, np.array([left + width, bottom + 0.7 * LABEL_SIZE]), LABEL_SIZE, font, "end"))
+    group.append(_text(name, np.array([left, bottom - height - 0.8 * size]), size, font, "start"))
+    group.append(_text(low, np.array([left, bottom + 0.7 * size]), size, font, "start"))
+    group.append(_text(top, np.array([left + width, bottom + 0.7 * size]), size, font, "end"))
 
 
-def _caption(panel: PagePanel, font: PlateFont) -> drawsvg.Group:
+def _caption(panel: PagePanel, style: PlateStyle, font: PlateFont, ink: str) -> drawsvg.Group:
     group = drawsvg.Group(id=f"caption-{panel.letter}")
+    size = style.caption_size
     left = panel.middle[0] - 0.5 * panel.size[0]
-    top = panel.middle[1] + 0.5 * panel.size[1] + 1.5 + 0.5 * LINE * CAPTION_SIZE
-    indent = font.width("M", CAPTION_SIZE) + 1.5 if panel.letter else 1.5
+    top = panel.middle[1] + 0.5 * panel.size[1] + 1.5 + 0.5 * LINE * size
+    indent = font.width("M", size) + 1.5 if panel.letter else 1.5
     if panel.letter:
-        group.append(_text(panel.letter, np.array([left, top]), CAPTION_SIZE, font, "start", halo=False, weight="bold"))
+        at = np.array([left, top])
+        group.append(_text(panel.letter, at, size, font, "start", halo=False, weight="bold", color=ink))
     for k, line in enumerate(panel.caption):
-        at = np.array([left + indent, top + k * LINE * CAPTION_SIZE])
-        group.append(_text(line, at, CAPTION_SIZE, font, "start", halo=False))
+        at = np.array([left + indent, top + k * LINE * size])
+        group.append(_text(line, at, size, font, "start", halo=False, color=ink))
     return group
 
 
@@ -314,6 +320,7 @@ def _text(
     halo: bool = True,
     style: str = "",
     weight: str = "",
+    color: str = _INK,
 ) -> drawsvg.DrawingElement:
     """A line of text whose middle height is at a place; a halo is a copy of it in white below."""
     x, y = at[0], at[1] + 0.34 * size
@@ -324,7 +331,7 @@ def _text(
         **({"font_weight": weight} if weight else {}),
     }
     place = _round((x, y))
-    words = drawsvg.Text(text, round(size, _DIGITS), *place, fill=_INK, **shared)
+    words = drawsvg.Text(text, round(size, _DIGITS), *place, fill=color, **shared)
     if not halo:
         return words
     group = drawsvg.Group()

@@ -142,6 +142,10 @@ class Plate:
         Its panels; none: the steps of the operation.
     annotations
         What is written and drawn on it besides.
+    text
+        Size of labels in points; 0: 7, or the least that the journal prints.
+    journal
+        The publisher whose rules it keeps, such as "plos", or "".
     """
 
     name: str
@@ -162,11 +166,14 @@ class Plate:
     landmarks: tuple[str, ...] = ()
     panels: tuple[PlatePanel, ...] = ()
     annotations: tuple[PlateAnnotation, ...] = ()
+    text: float = 0.0
+    journal: str = ""
 
     def __post_init__(self) -> None:
         set_fields(
             self,
             width=float(self.width),
+            text=float(self.text) + 0.0,
             section_at=None if self.section_at is None else double_point(self.section_at),
             section_normal=None if self.section_normal is None else double_point(self.section_normal),
             landmarks=tuple(self.landmarks),

@@ -58,6 +58,10 @@ def write_plate(stage: Any, usd: Any, plate: Plate) -> None:
     values.author("language", types.Token, plate.language)
     values.author("view", types.Token, plate.view)
     values.author("quantity", types.Token, plate.quantity)
+    if plate.text:
+        values.double("text", plate.text)
+    if plate.journal:
+        values.author("journal", types.Token, plate.journal)
     if plate.section_at is not None and plate.section_normal is not None:
         values.author("sectionAt", types.Point3d, usd.Gf.Vec3d(*plate.section_at))
         values.author("sectionNormal", types.Vector3d, usd.Gf.Vec3d(*plate.section_normal))
@@ -194,6 +198,8 @@ def _plate(
         landmarks=reader.texts(prim, "lappet:landmarks", ()),
         panels=panels,
         annotations=annotations,
+        text=reader.number(prim, "lappet:text", 0.0),
+        journal=reader.text(prim, "lappet:journal", ""),
     )
 
 
