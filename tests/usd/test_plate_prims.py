@@ -43,6 +43,11 @@ def full() -> Plate:
         landmarks=("lid margin", "ala"),
         panels=panels,
         annotations=notes,
+        text=9.5,
+        journal="plos",
+        marks="squares",
+        marks_spacing=4.0,
+        skin_lines=True,
     )
 
 

@@ -15,6 +15,7 @@ from lappet.foreign.limits import ReadLimits
 
 _STYLES = ("ink", "schematic", "halftone", "wash", "painted")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
+_MARKS = ("grid", "squares", "dots")
 _VIEWS = ("oblique", "top", "low")
 
 
@@ -33,6 +34,7 @@ _VIEWS = ("oblique", "top", "low")
 @click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
 @click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
 @click.option("--title", default="", help="The film's title.  [default: the cache's name]")
+@click.option("--marks", type=click.Choice(_MARKS), help="What is printed on the skin and deforms with it.")
 @click.option("--card", type=float, default=0.0, show_default=True, help="Seconds of a title card, up to 60.")
 @click.option("--orbit", type=float, default=0.0, show_default=True, help="Degrees by which the camera turns, to 120.")
 @click.option("--dark", is_flag=True, help="A dark ground.")

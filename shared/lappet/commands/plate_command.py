@@ -16,6 +16,7 @@ from lappet.foreign.limits import ReadLimits
 _STYLES = ("ink", "schematic", "halftone", "wash", "painted")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 _MAPS = ("tension", "strain", "stress")
+_MARKS = ("grid", "squares", "dots")
 _JOURNALS = ("springer", "elsevier", "plos")
 _VIEWS = ("oblique", "top", "low")
 _TEMPLATES = ("steps", "atlas", "comparison", "section", "cover")
@@ -71,7 +72,7 @@ class PanelCaption(click.ParamType):
 @click.option("--caption", "captions", type=PanelCaption(), multiple=True, help="A panel's caption in other words.")
 @click.option("--width-mm", "width", type=float, help="Width in print.  [default: 174, or the journal's widest]")
 @click.option("--text-pt", "text", type=float, help="Size of labels, 7 to 24.  [default: 7, or the journal's least]")
-@click.option("--journal", type=click.Choice(_JOURNALS), default="", help="A publisher whose rules the plate keeps.")
+@click.option("--journal", type=click.Choice(_JOURNALS), help="A publisher whose rules the plate keeps.")
 @click.option("--columns", type=click.IntRange(1, 12), help="Panels in a row.  [default: as many as fit]")
 @click.option("--view", type=click.Choice(_VIEWS), default="oblique", show_default=True, help="Where the camera is.")
 @click.option(
@@ -88,6 +89,9 @@ class PanelCaption(click.ParamType):
     "--section", type=PlaneNumbers(), help="Show a cross-section in every panel but the plan: a point in mm, a normal."
 )
 @click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
+@click.option("--marks", type=click.Choice(_MARKS), help="What is printed on the skin and deforms with it.")
+@click.option("--marks-mm", "marks_spacing", type=float, default=5.0, show_default=True, help="Distance of the marks.")
+@click.option("--skin-lines", is_flag=True, help="Draw the procedure's skin lines.")
 @click.option(
     "--landmark", "landmarks", multiple=True, metavar="LABEL", help="A landmark that is named where it is seen."
 )
@@ -114,7 +118,7 @@ def plate(
     font: Path | None,
     dpi: int | None,
     text: float | None,
-    journal: str,
+    journal: str | None,
     profile: Path | None,
     transparent: bool,
     limits: ReadLimits,

@@ -389,6 +389,7 @@ class ProblemCode(StrEnum):
     PLATE_ANCHOR_GONE = auto()
     PLATE_ANCHOR_HIDDEN = auto()
     PLATE_TEXT = auto()
+    PLATE_MARKS = auto()
     PLATE_JOURNAL = auto()
     PLATE_JOURNAL_WIDTH = auto()
     PLATE_JOURNAL_HEIGHT = auto()

@@ -17,6 +17,7 @@ from lappet.drawing.skin_source import ORIGINS, FigureError, SkinEpoch, SkinSour
 from lappet.drawing.suture_bites import bites_at, carried
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.skin_shape import depth_below_skin
+from lappet.procedure.prim_paths import SKIN_LINES
 from lappet.usd.stage import pxr
 
 
@@ -275,23 +276,46 @@ class SkinCache(SkinSource):
     def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:
         return self._curves("Undermine", step)
 
+    def skin_lines(self, step: float) -> list[NDArray[np.float64]]:
+        """Sample the skin lines of the procedure at rest.
+
+        Parameters
+        ----------
+        step
+            Distance between samples in mm.
+
+        Returns
+        -------
+        list[NDArray[np.float64]]
+            Polylines in mm, shape (k, 3) each.
+        """
+        scope = self._stage.GetPrimAtPath(SKIN_LINES)
+        prims = scope.GetChildren() if scope else []
+        sampled = [self._sampled(prim, step, False) for prim in prims]
+        return [line for line in sampled if line is not None]
+
     def _curves(self, kind: str, step: float) -> list[NDArray[np.float64]]:
         lines = []
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
         for event in self.events:
             prim = timeline.GetChild(event.name)
-            points = prim.GetAttribute("points").Get() if event.kind == kind else None
-            if points is None:
-                continue
-            smooth = prim.GetAttribute("type").Get() == "cubic"
-            basis: Any = (prim.GetAttribute("basis").Get() or "bezier") if smooth else "linear"
-            closed = kind == "Undermine" or prim.GetAttribute("wrap").Get() == "periodic"
-            try:
-                line = sample_curve(np.asarray(points, np.float64) * self._mm, basis, closed, step)
-            except RefusedError:
-                continue  # the picture shows the solved skin; a curve that check would refuse is left out
-            lines.append(np.vstack([line, line[:1]]) if closed else line)
+            line = self._sampled(prim, step, kind == "Undermine") if event.kind == kind else None
+            lines += [] if line is None else [line]
         return lines
+
+    def _sampled(self, prim: Any, step: float, closed: bool) -> NDArray[np.float64] | None:
+        """The points of a curve; None where there are none, or a curve that check would refuse."""
+        points = prim.GetAttribute("points").Get()
+        if points is None:
+            return None
+        smooth = prim.GetAttribute("type").Get() == "cubic"
+        basis: Any = (prim.GetAttribute("basis").Get() or "bezier") if smooth else "linear"
+        closed = closed or prim.GetAttribute("wrap").Get() == "periodic"
+        try:
+            line = sample_curve(np.asarray(points, np.float64) * self._mm, basis, closed, step)
+        except RefusedError:
+            return None
+        return np.vstack([line, line[:1]]) if closed else line
 
     def _strands(self, name: str, time: float) -> Strands:
         prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/{name}")

@@ -63,6 +63,8 @@ class FilmOptions:
         Seconds for which the title and the steps are shown before all else; 0: not at all.
     orbit
         Degrees by which the camera turns about the operation from the first picture to the last; 0: it stands.
+    marks
+        What is printed on the skin, one of `lappet.plates.printed_marks.MARKS`, or None.
     dark, transparent
         Whether the ground is dark, or left out.
     """
@@ -79,6 +81,7 @@ class FilmOptions:
     title: str = ""
     card: float = 0.0
     orbit: float = 0.0
+    marks: str | None = None
     dark: bool = False
     transparent: bool = False
 
@@ -131,7 +134,13 @@ def draw_film(
     steps = chosen_steps(source)
     frames = film_frames(source.frames, steps, options.fps, options.pause)
     request = PlateRequest(
-        (PlateRow(source, tuple(each.step for each in frames)),), {}, WIDTH, 1, options.view, bars=True
+        (PlateRow(source, tuple(each.step for each in frames)),),
+        {},
+        WIDTH,
+        1,
+        options.view,
+        bars=True,
+        marks=options.marks,
     )
     size = (WIDTH, WIDTH * options.size[1] / options.size[0] - below)
     scene = plate_scene(source, [step.time for step in steps], options.view, size)

@@ -200,6 +200,9 @@ def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
         "landmarks": plate.landmarks,
         "section": section,
         "mapped": plate.quantity or None,
+        "marks": plate.marks or None,
+        "marks_spacing": plate.marks_spacing,
+        "skin_lines": plate.skin_lines,
     }
     return replace(
         options,

@@ -28,6 +28,8 @@ class LineKind(StrEnum):
     SKIN_LINE = "skin-line"
     SECTION = "section"
     GHOST = "ghost"
+    MARK = "mark"
+    MARK_DOT = "mark-dot"
 
 
 @dataclass(frozen=True, eq=False)

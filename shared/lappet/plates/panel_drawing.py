@@ -16,6 +16,7 @@ from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas,
 from lappet.plates.hatching import hatching
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.plate_style import PlateStyle
+from lappet.plates.printed_marks import NO_PRINT, SkinPrint
 from lappet.plates.projection import Projection
 from lappet.plates.screen_triangles import ScreenTriangles
 from lappet.plates.strokes import Stroke, visible_strokes
@@ -129,6 +130,7 @@ def panel_drawing(
     instruments: bool = True,
     mapped: str | None = None,
     more: Sequence[FeatureLine] = (),
+    skin_print: SkinPrint = NO_PRINT,
 ) -> PanelDrawing:
     """Draw a panel.
 
@@ -152,6 +154,8 @@ def panel_drawing(
         A quantity of the skin that is mapped, one of `lappet.drawing.skin_source.SCALARS`, or None.
     more
         Lines that are drawn besides.
+    skin_print
+        What is printed on the skin.
 
     Returns
     -------
@@ -165,7 +169,7 @@ def panel_drawing(
     lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale) if style.hatched else []
     rough = [*lines, *surface_lines(surface, scene.view.position)]
     strokes = visible_strokes(rough, projection, screen)
-    strands = [*more, *scene.strands(time)]
+    strands = [*skin_print.on(scene.source, surface), *more, *scene.strands(time)]
     strands = [each for each in strands if instruments or each.kind is not LineKind.INSTRUMENT]
     strokes += visible_strokes(strands, projection, screen, smooth=False)
     quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None

@@ -19,6 +19,7 @@ from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene, at_one_scale, plate_scene
 from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
+from lappet.plates.printed_marks import check_spacing
 from lappet.plates.skin_anchors import SkinAnchors
 
 LEAST_WIDTH = 40.0  # mm
@@ -96,14 +97,15 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     Raises
     ------
     RefusedError
-        If the width is out of range, there are too many panels, a panel has too many labels, a landmark is not
-        there, the section is no plane, the font lacks a
-        character, or a cache lacks what is to be mapped.
+        If the width or the distance of marks is out of range, there are too many panels, a panel has too many labels,
+        a landmark is not there, the section is no plane, the font lacks a character, or a cache lacks what is to be
+        mapped.
     """
     if not LEAST_WIDTH <= request.width <= WIDEST:
         raise refused(ProblemCode.PLATE_WIDTH, "", request.width, range=f"{LEAST_WIDTH:g} to {WIDEST:g}")
     if len(request.panels) > MOST_PANELS:
         raise refused(ProblemCode.PLATE_FRAMES, "", len(request.panels), most=MOST_PANELS)
+    check_spacing(request.marks_spacing)
     _check_section(request)
     captions = _captions(request, words)
     _check_landmarks(request)

@@ -32,6 +32,7 @@ from lappet.plates.plate_scene import PlateScene
 from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
 from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
+from lappet.plates.printed_marks import SkinPrint
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
 from lappet.plates.skin_anchors import SkinAnchors
 
@@ -206,7 +207,9 @@ class PanelMaker:
         scene = self._scene(row, step, place.size)
         request = self.request
         held = request.shows_hooks(step)
-        drawing = panel_drawing(scene, step.time, place.size, self.style, (), False, held, request.mapped)
+        drawing = panel_drawing(
+            scene, step.time, place.size, self.style, (), False, held, request.mapped, skin_print=self._print
+        )
         notes = DrawnAnnotations()
         if step.panel is not None:
             own = [each for each in request.annotations if step.panel.name in each.panels]
@@ -223,6 +226,10 @@ class PanelMaker:
             line if line is not None else np.zeros((0, 2)),
             held,
         )
+
+    @property
+    def _print(self) -> SkinPrint:
+        return SkinPrint(self.request.marks, self.request.marks_spacing, self.request.skin_lines)
 
     def _scene(self, row: int, step: PlateStep, size: tuple[float, float]) -> PlateScene:
         """The procedure before a panel's camera."""
@@ -270,7 +277,8 @@ class PanelMaker:
         later = _later(scene, steps, index) if request.arrows else ()
         more = [] if cut is None else section_line(scene, cut, step.time)
         drawing = panel_drawing(
-            scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more
+            *(scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more),
+            skin_print=self._print,
         )
         if step.ghost is not None:
             ghost = clipped(ghost_outline(scene, step.ghost, self.size), self.size)

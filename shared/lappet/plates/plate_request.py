@@ -96,6 +96,12 @@ class PlateRequest:
         Whether panels are called a, b, c and not A, B, C.
     bars
         Whether each panel has a scale bar, and not only the first.
+    marks
+        What is printed on the skin, one of `lappet.plates.printed_marks.MARKS`, or None.
+    marks_spacing
+        Distance of the marks at rest in mm.
+    skin_lines
+        Whether the procedure's skin lines are drawn.
     """
 
     rows: tuple[PlateRow, ...]
@@ -114,6 +120,9 @@ class PlateRequest:
     annotations: tuple[PlateAnnotation, ...] = ()
     small_letters: bool = False
     bars: bool = False
+    marks: str | None = None
+    marks_spacing: float = 5.0
+    skin_lines: bool = False
 
     def letter(self, index: int) -> str:
         """Name a panel.

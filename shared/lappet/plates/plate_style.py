@@ -108,14 +108,18 @@ _PENS = {
     LineKind.SKIN_LINE: Pen(0.18, "#8a8478"),
     LineKind.SECTION: Pen(0.3, "#8b1e1e", (2.4, 0.9, 0.5, 0.9)),
     LineKind.GHOST: Pen(0.25, "#5a6068", (1.2, 0.8)),
+    LineKind.MARK: Pen(0.18, "#9a86bd"),
+    LineKind.MARK_DOT: Pen(0.75, "#7a5aa6"),
 }
 # The surgeon's marking pen: gentian violet.
 _VIOLET = {kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
+_ON_SKIN = (LineKind.PLAN, LineKind.UNDERMINED, LineKind.MARK, LineKind.MARK_DOT, LineKind.SKIN_LINE)
 # What a painting shows itself.
 PAINTED = frozenset(
     {LineKind.CONTOUR, LineKind.WOUND_EDGE, LineKind.WALL_FOOT, LineKind.THREAD, LineKind.INSTRUMENT, LineKind.VESSEL}
 )
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
+_BLACK[LineKind.MARK] = _BLACK[LineKind.SKIN_LINE] = Pen(0.18, "#8a8a8a")
 _EYES = {
     AreaKind.EYE: "#f7f6f3",
     AreaKind.IRIS: "#5b6b74",
@@ -180,6 +184,6 @@ def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT) ->
     fills = {**style.fills, AreaKind.SKIN: MONK[tone - 1]}
     if tone < 7:
         return replace(style, fills=fills)
-    white = {kind: replace(style.pens[kind], color="#f4f6ff") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
+    white = {kind: replace(style.pens[kind], color="#f4f6ff") for kind in _ON_SKIN}
     pens = {**style.pens, **white, LineKind.THREAD: replace(style.pens[LineKind.THREAD], color="#d7e3ff")}
     return replace(style, fills=fills, pens=pens)

@@ -12,11 +12,13 @@ from lappet.procedure.exact_values import Point, double_point, set_fields, singl
 
 PlateStyleName = Literal["ink", "schematic", "halftone", "wash", "painted"]
 PlateView = Literal["oblique", "top", "low"]
+PlateMarks = Literal["", "grid", "squares", "dots"]
 PanelStep = Literal["", "plan", "cut", "raised", "placed", "sutured", "result"]
 AnnotationKind = Literal["label", "length", "distance", "angle", "arrow", "pivot"]
 WhenExcised = Literal["leave-out", "last-place"]
 
 PLATE_STYLES: tuple[PlateStyleName, ...] = get_args(PlateStyleName)
+PLATE_MARKS: tuple[PlateMarks, ...] = get_args(PlateMarks)
 PLATE_VIEWS: tuple[PlateView, ...] = get_args(PlateView)
 PANEL_STEPS: tuple[PanelStep, ...] = get_args(PanelStep)
 # Kinds of annotations and how many anchors each has, at least and at most.
@@ -146,6 +148,12 @@ class Plate:
         Size of labels in points; 0: 7, or the least that the journal prints.
     journal
         The publisher whose rules it keeps, such as "plos", or "".
+    marks
+        What is printed on the skin: "grid", "squares", "dots", or "" for nothing.
+    marks_spacing
+        Distance of the marks at rest in mm.
+    skin_lines
+        Whether the procedure's skin lines are drawn.
     """
 
     name: str
@@ -168,12 +176,16 @@ class Plate:
     annotations: tuple[PlateAnnotation, ...] = ()
     text: float = 0.0
     journal: str = ""
+    marks: PlateMarks = ""
+    marks_spacing: float = 5.0
+    skin_lines: bool = False
 
     def __post_init__(self) -> None:
         set_fields(
             self,
             width=float(self.width),
             text=float(self.text) + 0.0,
+            marks_spacing=float(self.marks_spacing),
             section_at=None if self.section_at is None else double_point(self.section_at),
             section_normal=None if self.section_normal is None else double_point(self.section_normal),
             landmarks=tuple(self.landmarks),

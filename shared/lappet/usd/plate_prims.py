@@ -16,12 +16,14 @@ from lappet.procedure.exact_values import Point
 from lappet.procedure.plate import (
     ANNOTATION_ANCHORS,
     PANEL_STEPS,
+    PLATE_MARKS,
     PLATE_STYLES,
     PLATE_VIEWS,
     AnnotationKind,
     PanelStep,
     Plate,
     PlateAnnotation,
+    PlateMarks,
     PlatePanel,
     PlateStyleName,
     PlateView,
@@ -62,6 +64,11 @@ def write_plate(stage: Any, usd: Any, plate: Plate) -> None:
         values.double("text", plate.text)
     if plate.journal:
         values.author("journal", types.Token, plate.journal)
+    if plate.marks:
+        values.author("marks", types.Token, plate.marks)
+        values.double("marksSpacing", plate.marks_spacing)
+    if plate.skin_lines:
+        values.author("skinLines", types.Bool, True)
     if plate.section_at is not None and plate.section_normal is not None:
         values.author("sectionAt", types.Point3d, usd.Gf.Vec3d(*plate.section_at))
         values.author("sectionNormal", types.Vector3d, usd.Gf.Vec3d(*plate.section_normal))
@@ -200,6 +207,9 @@ def _plate(
         annotations=annotations,
         text=reader.number(prim, "lappet:text", 0.0),
         journal=reader.text(prim, "lappet:journal", ""),
+        marks=cast(PlateMarks, _one_of(reader, prim, "marks", PLATE_MARKS, "")),
+        marks_spacing=reader.number(prim, "lappet:marksSpacing", Plate.marks_spacing),
+        skin_lines=reader.flag(prim, "lappet:skinLines", False),
     )
 
 
