@@ -26,6 +26,17 @@ def test_the_outline_of_a_box_is_a_rectangle_with_the_values_of_its_places() -> 
     assert np.array_equal(starts, ends), "and closed"
 
 
+def test_the_outline_through_vertices_has_no_edge_without_length_and_none_twice() -> None:
+    surface = tissue_surface(flat_patch((20.0, 12.0, 4.0), resolution=2.0))
+    assert (np.abs(surface.points[:, 0] - 2.0) < 1e-9).any()
+    plane = SectionPlane.of((2.0, 0.0, 0.0, 1.0, 0.0, 0.0))
+    edges, _ = plane.outline(surface.points, surface.triangles, surface.points)
+    lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    assert lengths.min() > 1e-6
+    assert lengths.sum() == pytest.approx(2 * (12.0 + 4.0), abs=1e-3)
+    assert len(np.unique(np.round(edges.mean(axis=1), 6), axis=0)) == len(edges)
+
+
 def test_lines_are_cut_off_at_the_plane_with_their_radii() -> None:
     plane = SectionPlane.of((0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
     wave = np.array([(0.0, 0.0, -1.0), (1.0, 0.0, 1.0), (2.0, 0.0, 1.0), (3.0, 0.0, -3.0)])

@@ -80,6 +80,28 @@ def test_an_inset_stands_in_its_panel_and_hides_what_is_below(cache: SkinCache, 
     assert svg == plate_svg(page, plate_style("schematic"), font, 100.0)
 
 
+def test_a_panel_and_an_inset_are_cut_in_planes_of_their_own(cache: SkinCache, font: PlateFont) -> None:
+    across = {"section_at": (0.0, 0.0, 0.0), "section_normal": (1.0, 0.0, 0.0)}
+    detail = PlatePanel("detail", time=7.0, at=(0.0, 0.0, 0.0), across=12.0, inset_of="open", **across)  # type: ignore[arg-type]
+    panels = (
+        PlatePanel("plan", time=1.0),
+        PlatePanel("open", time=7.0),
+        detail,
+        PlatePanel("cut", time=7.0, **across),  # type: ignore[arg-type]
+        PlatePanel("whole", time=1.0),
+    )
+    plan, host, inset, cut, _ = page_of(cache, font, Plate("cuts", panels=panels)).panels
+    assert [panel.section for panel in (plan, host, inset, cut)] == [False, False, True, True]
+    for panel in (plan, host):  # the line of the plane, at right angles to the x axis through the middle
+        line = np.vstack([each.points for each in panel.drawing.strokes if each.kind is LineKind.SECTION])
+        ends = panel.drawing.projection.paper(np.array([[0.0, -15.0, 0.0], [0.0, 15.0, 0.0]]))[0]
+        way = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+        off = (line - ends[0]) - np.outer((line - ends[0]) @ way, way)
+        assert np.linalg.norm(off, axis=1).max() < 1.5
+    assert cut.drawing.areas
+    assert inset.size[0] / 12.0 == pytest.approx(inset.drawing.projection.scale, rel=1e-6)
+
+
 def test_a_ghost_is_the_outline_of_the_other_state(cache: SkinCache, font: PlateFont) -> None:
     plain = PlatePanel("end", "sutured")
     through = PlatePanel("end", "sutured", ghost="raised")

@@ -31,6 +31,7 @@ def full() -> Plate:
         PlatePanel("before", "plan", caption="Défaut – 12 mm"),
         PlatePanel("frame", time=7.25, view="top", at=(1.5, 2.25, 4.0), across=20.0),
         PlatePanel("detail", "result", at=(1.0, 2.0, 4.0), across=6.0, inset_of="before", ghost="plan"),
+        PlatePanel("cut", "result", section_at=(0.0, 1.0, 4.0), section_normal=(0.0, 1.0, 0.0)),
     )
     notes = (
         PlateAnnotation("tip", "label", ((0.1, 0.2, 4.0),), "tip", ("before",), (3.0, -2.5), "last-place"),

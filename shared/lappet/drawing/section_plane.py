@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 Radius = NDArray[np.floating] | float
 Lines = list[NDArray[np.float64]]
+_NEAR = 1e-5  # mm: a vertex is not nearer to the plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +111,8 @@ class SectionPlane:
             Edges in mm, turned alike, shape (e, 2, 3), and the values at their ends, shape (e, 2, k).
         """
         height = self.beyond(points)
+        # Through a vertex, edges would have no length or lie twice upon each other.
+        height[np.abs(height) < _NEAR] = -_NEAR
         over = height[triangles] > 0.0
         crossed = np.flatnonzero(over.any(axis=1) & ~over.all(axis=1))
         # Turned so that the corner that lies alone on its side comes first.

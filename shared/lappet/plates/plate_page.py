@@ -159,11 +159,13 @@ def checked_texts(request: PlateRequest, captions: Sequence[str], words: PlateWo
 
 def _check_section(request: PlateRequest) -> None:
     """Refuse a section that is no plane."""
-    if request.section is not None:
-        try:
-            SectionPlane.of(request.section)
-        except ValueError as error:
-            raise refused(ProblemCode.PLATE_SECTION, "", str(request.section)) from error
+    panels = [step.panel for row in request.rows for step in row.steps if step.panel is not None]
+    for name, section in (("", request.section), *((panel.name, panel.section) for panel in panels)):
+        if section is not None:
+            try:
+                SectionPlane.of(section)
+            except ValueError as error:
+                raise refused(ProblemCode.PLATE_SECTION, name, str(section)) from error
 
 
 def _check_landmarks(request: PlateRequest) -> None:

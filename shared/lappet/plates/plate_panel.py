@@ -12,7 +12,7 @@ from shapely import LineString
 from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.annotations import AnnotationDrawer, DrawnAnnotations
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
-from lappet.plates.feature_lines import LineKind
+from lappet.plates.feature_lines import FeatureLine, LineKind
 from lappet.plates.filled_areas import AreaKind
 from lappet.plates.ghost_outline import ghost_outline
 from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
@@ -157,9 +157,8 @@ class PanelMaker:
         steps = request.rows[row].steps
         step, letter = steps[k], request.letter(index)
         scene = self._scene(row, step, self.size)
-        cut = None if request.section is None else SectionPlane.of(request.section)
-        drawing, areas = self._drawing(scene, steps, k, cut)
         insets = request.rows[row].insets(k)
+        drawing, areas = self._drawing(scene, steps, k, insets)
         places = inset_places(len(insets), self.size, _taken(drawing))
         drawing = uncovered(drawing, places)
         notes = self._notes(scene, steps, k, drawing) if areas is AREA_LABELS else DrawnAnnotations()
@@ -207,11 +206,16 @@ class PanelMaker:
         scene = self._scene(row, step, place.size)
         request = self.request
         held = request.shows_hooks(step)
-        drawing = panel_drawing(
-            scene, step.time, place.size, self.style, (), False, held, request.mapped, skin_print=self._print
+        cut = self._cut(step)
+        drawing = (
+            self._section(scene, step, cut, place.size)
+            if cut is not None
+            else panel_drawing(
+                scene, step.time, place.size, self.style, (), False, held, request.mapped, skin_print=self._print
+            )
         )
         notes = DrawnAnnotations()
-        if step.panel is not None:
+        if step.panel is not None and cut is None:
             own = [each for each in request.annotations if step.panel.name in each.panels]
             notes = AnnotationDrawer(scene, drawing, step.panel.name, ()).draw(own)
         site = None
@@ -222,9 +226,10 @@ class PanelMaker:
         middle = host.middle + place.middle
         bar = self.bar(drawing, place.size)
         return PagePanel(
-            *("", step, scene, (), middle, drawing, (), (), bar, scene.goes_on, place.size, notes),
+            *("", step, scene, (), middle, drawing, (), (), bar, scene.goes_on and cut is None, place.size, notes),
             line if line is not None else np.zeros((0, 2)),
             held,
+            cut is not None,
         )
 
     @property
@@ -265,17 +270,44 @@ class PanelMaker:
         """
         return max((each for each in _BARS if each * drawing.projection.scale <= 0.3 * size[0]), default=0.0)
 
+    def _cut(self, step: PlateStep) -> SectionPlane | None:
+        """The plane in which a panel is cut: its own, or the plate's but in the plan."""
+        if step.panel is not None and step.panel.section is not None:
+            return SectionPlane.of(step.panel.section)
+        return None if self.request.section is None or step.kind in _PLANS else SectionPlane.of(self.request.section)
+
+    def _cut_lines(
+        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, insets: Sequence[PlateStep]
+    ) -> list[FeatureLine]:
+        """Where the planes of other panels meet the skin: in the plan all of them, elsewhere those of its insets."""
+        step = steps[index]
+        shown = [*steps, *insets] if step.kind in _PLANS else insets
+        planes = {each.panel.section for each in shown if each.panel is not None and each.panel.section is not None}
+        planes |= {self.request.section} if self.request.section is not None and step.kind in _PLANS else set()
+        return [line for plane in sorted(planes) for line in section_line(scene, SectionPlane.of(plane), step.time)]
+
+    def _section(
+        self, scene: PlateScene, step: PlateStep, cut: SectionPlane, size: tuple[float, float]
+    ) -> PanelDrawing:
+        """A panel cut in a plane."""
+        about, across = None, 0.0
+        if step.panel is not None and step.panel.at is not None:
+            places, _ = SkinAnchors(scene.source).at(np.array([step.panel.at]), step.time, last_place=True)
+            about, across = places[0], step.panel.across
+        projection = section_projection(scene, cut, size, about, across)
+        return section_drawing(scene, cut, projection, step.time, self.request.shows_hooks(step))
+
     def _drawing(
-        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, cut: SectionPlane | None
+        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, insets: Sequence[PlateStep]
     ) -> tuple[PanelDrawing, Mapping[AreaKind, str]]:
         """The drawing of a panel and the words for its areas."""
         request, step = self.request, steps[index]
         held = request.shows_hooks(step)
-        if cut is not None and step.kind not in _PLANS:
-            projection = section_projection(scene, cut, self.size)
-            return section_drawing(scene, cut, projection, step.time, held), SECTION_LABELS
+        cut = self._cut(step)
+        if cut is not None:
+            return self._section(scene, step, cut, self.size), SECTION_LABELS
         later = _later(scene, steps, index) if request.arrows else ()
-        more = [] if cut is None else section_line(scene, cut, step.time)
+        more = self._cut_lines(scene, steps, index, insets)
         drawing = panel_drawing(
             *(scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more),
             skin_print=self._print,

@@ -107,7 +107,8 @@ def _layers(
         groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}") for name in _LAYERS}
         for name in ("shading", "areas"):
             groups[name] = drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}", clip_path=f"url(#{clip.id})")
-        if style.shading is Shading.NONE and ground.paper not in ("", WHITE.paper):  # black lines need white below them
+        bare = panel.line is not None and not panel.goes_on  # an inset over what its panel shows
+        if bare or (style.shading is Shading.NONE and ground.paper not in ("", WHITE.paper)):
             corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=WHITE.paper))
         painting = paintings.get(k)

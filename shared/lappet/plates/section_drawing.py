@@ -37,7 +37,13 @@ _FILL = 0.8  # of a panel's width that the operation takes up
 _KINDS = tuple(AreaKind)
 
 
-def section_projection(scene: PlateScene, plane: SectionPlane, size: tuple[float, float]) -> Projection:
+def section_projection(
+    scene: PlateScene,
+    plane: SectionPlane,
+    size: tuple[float, float],
+    about: NDArray[np.float64] | None = None,
+    across: float = 0.0,
+) -> Projection:
     """Look at a section at right angles, at a scale at which the operation fills a panel.
 
     Parameters
@@ -48,6 +54,10 @@ def section_projection(scene: PlateScene, plane: SectionPlane, size: tuple[float
         The section.
     size
         Width and height of a panel in mm.
+    about
+        A place in mm, shape (3,), that is in the panel's middle; None: the operation's middle.
+    across
+        How much tissue is seen across the panel about that place, mm.
 
     Returns
     -------
@@ -65,6 +75,8 @@ def section_projection(scene: PlateScene, plane: SectionPlane, size: tuple[float
     middle = field.center - plane.beyond(field.center) * normal
     middle = middle + (0.5 * (along.min() + along.max()) - middle @ right) * right
     scale = _FILL * size[0] / max(float(np.ptp(along)), 1.0)
+    if about is not None:
+        middle, scale = about - plane.beyond(about) * normal, size[0] / across
     view = Viewpoint(middle + _FAR * normal, np.stack([right, up, normal]), _FAR)
     return Projection(view, size, 0.5 * size[0] / (scale * _FAR))
 

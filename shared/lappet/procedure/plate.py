@@ -95,6 +95,9 @@ class PlatePanel:
         Name of the panel in whose corner it stands, "" for a place of its own.
     ghost
         The step whose outlines are drawn through, "" for none.
+    section_at, section_normal
+        The plane in which the panel is cut, whatever the plate's is: a point at rest in mm and a normal; None: as the
+        plate says.
     """
 
     name: str
@@ -106,10 +109,20 @@ class PlatePanel:
     across: float = 0.0
     inset_of: str = ""
     ghost: PanelStep = ""
+    section_at: Point | None = None
+    section_normal: Point | None = None
 
     def __post_init__(self) -> None:
-        at = None if self.at is None else double_point(self.at)
-        set_fields(self, time=float(self.time) + 0.0, at=at, across=float(self.across) + 0.0)
+        points = {name: getattr(self, name) for name in ("at", "section_at", "section_normal")}
+        doubles = {name: None if each is None else double_point(each) for name, each in points.items()}
+        set_fields(self, time=float(self.time) + 0.0, across=float(self.across) + 0.0, **doubles)
+
+    @property
+    def section(self) -> tuple[float, ...] | None:
+        """The plane as a point in mm and a normal; None where it is the plate's."""
+        if self.section_at is None or self.section_normal is None:
+            return None
+        return (*self.section_at, *self.section_normal)
 
 
 @dataclass(frozen=True)

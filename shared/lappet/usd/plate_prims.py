@@ -69,9 +69,7 @@ def write_plate(stage: Any, usd: Any, plate: Plate) -> None:
         values.double("marksSpacing", plate.marks_spacing)
     if plate.skin_lines:
         values.author("skinLines", types.Bool, True)
-    if plate.section_at is not None and plate.section_normal is not None:
-        values.author("sectionAt", types.Point3d, usd.Gf.Vec3d(*plate.section_at))
-        values.author("sectionNormal", types.Vector3d, usd.Gf.Vec3d(*plate.section_normal))
+    _write_section(values, usd, plate)
     for name in _FLAGS:
         values.author(name, types.Bool, getattr(plate, name))
     if plate.landmarks:
@@ -104,6 +102,13 @@ def _write_panel(stage: Any, usd: Any, path: str, panel: PlatePanel) -> None:
     if panel.at is not None:
         values.author("at", types.Point3d, usd.Gf.Vec3d(*panel.at))
         values.double("across", panel.across)
+    _write_section(values, usd, panel)
+
+
+def _write_section(values: Values, usd: Any, whose: Plate | PlatePanel) -> None:
+    if whose.section_at is not None and whose.section_normal is not None:
+        values.author("sectionAt", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*whose.section_at))
+        values.author("sectionNormal", usd.Sdf.ValueTypeNames.Vector3d, usd.Gf.Vec3d(*whose.section_normal))
 
 
 def _write_annotation(stage: Any, usd: Any, path: str, note: PlateAnnotation) -> None:
@@ -225,6 +230,8 @@ def _panel(reader: Reader, prim: Any) -> PlatePanel:
         reader.number(prim, "lappet:across", 0.0),
         reader.text(prim, "lappet:insetOf", ""),
         cast(PanelStep, _one_of(reader, prim, "ghost", PANEL_STEPS, "")),
+        _place(reader, prim, "sectionAt"),
+        _way(reader, prim, "sectionNormal"),
     )
 
 
