@@ -7,6 +7,9 @@ import { middles } from "./places";
 import type { Words } from "./words";
 
 const MARGIN = 12; // pixels around the card
+const BESIDE = 20; // pixels between a place and a card below it
+const HIGH = 52; // pixels that a mark stands above its place
+const NARROW = 520; // pixels: in narrower pictures the card is at their edge
 
 export class Hotspots {
   readonly list = make("div", { class: "hotspots" });
@@ -60,17 +63,19 @@ export class Hotspots {
     if (this.open < 0) return;
     const rider = this.riders[this.open];
     const gone = rider.element.hidden;
-    this.card.classList.toggle("loose", gone);
     const frame = this.card.parentElement!;
     const [width, height] = [frame.clientWidth, frame.clientHeight];
     const [w, h] = [this.card.offsetWidth, this.card.offsetHeight];
     const at = /translate\(([-\d.]+)px, ([-\d.]+)px\)/.exec(rider.element.style.transform);
     let [x, y] = at ? [Number(at[1]), Number(at[2])] : [MARGIN, MARGIN];
-    const below = y + 22 + h < height - MARGIN;
-    x = Math.max(MARGIN, Math.min(width - w - MARGIN, x - w / 2));
-    y = below ? y + 22 : y - 22 - h;
-    y = Math.max(MARGIN, Math.min(height - h - MARGIN, y));
-    if (gone) [x, y] = [MARGIN, height - h - MARGIN];
+    if (gone || width < NARROW) {
+      y = !gone && y > height - h - BESIDE ? MARGIN : height - h - MARGIN;
+      x = (width - w) / 2;
+    } else {
+      x = Math.max(MARGIN, Math.min(width - w - MARGIN, x - w / 2));
+      y = y + BESIDE + h < height - MARGIN ? y + BESIDE : y - HIGH - h;
+      y = Math.max(MARGIN, Math.min(height - h - MARGIN, y));
+    }
     this.card.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
   }
 

@@ -10,6 +10,7 @@ export interface Rider {
   places: (THREE.Vector3 | null)[];
   wanted: (shown: Shown) => boolean;
   seen: boolean;
+  through: boolean; // whether it shows through skin that hides its place
 }
 
 export class Labels {
@@ -34,7 +35,8 @@ export class Labels {
 
   /** Lets an element ride on places of a stage, one in mm for each frame. */
   add(element: HTMLElement, stage: Stage, places: (Vector | null)[], wanted: Rider["wanted"] = () => true): Rider {
-    const rider = { element, stage, places: places.map((place) => place && stage.placed(place)), wanted, seen: true };
+    const placed = places.map((place) => place && stage.placed(place));
+    const rider: Rider = { element, stage, places: placed, wanted, seen: true, through: false };
     this.into.append(element);
     this.riders.add(rider);
     this.checked.clear();
@@ -64,7 +66,7 @@ export class Labels {
       if (fresh) rider.seen = stage.seen(place, camera);
       const on = place.project(camera);
       const inside = Math.abs(on.x) < 1 && Math.abs(on.y) < 1 && on.z < 1;
-      rider.element.hidden = !inside || !rider.seen;
+      rider.element.hidden = !inside || !(rider.seen || rider.through);
       const x = part.x + (0.5 + 0.5 * on.x) * part.width;
       const y = part.y + (0.5 - 0.5 * on.y) * part.height;
       rider.element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;

@@ -4,7 +4,7 @@ import type { View } from "./camera";
 import { iconButton, make, name } from "./elements";
 import { listenToKeys } from "./keyboard";
 import { Legend } from "./legend";
-import type { Chapter, Lesson } from "./lesson";
+import type { Chapter, Lesson, Vector } from "./lesson";
 import { Options, type Theme } from "./options";
 import { Picture } from "./picture";
 import { Player } from "./player";
@@ -155,6 +155,8 @@ export class LessonView {
       /** The positions that are on the screen. */
       shown: (procedure = 0) => Array.from(this.stages[procedure].points()),
       resting: () => !this.asked && !this.player.playing && this.picture.resting,
+      /** Where a place in mm is on the page, in CSS pixels. */
+      onScreen: (place: Vector, procedure = 0) => this.picture.onScreen(this.stages[procedure].placed(place), procedure),
       time: () => this.player.time,
       length: () => this.player.timeline.length,
       epoch: (frame: number, procedure = 0) =>

@@ -140,6 +140,14 @@ export class Picture {
     return place && { stage: this.stages[which], place };
   }
 
+  /** Where a place of a stage is on the page, in CSS pixels. */
+  onScreen(place: THREE.Vector3, stage: number): [number, number] {
+    const part = this.parts()[stage];
+    const box = this.canvas.getBoundingClientRect();
+    const on = place.clone().project(this.camera);
+    return [box.x + part.x + (0.5 + 0.5 * on.x) * part.width, box.y + part.y + (0.5 - 0.5 * on.y) * part.height];
+  }
+
   /** Ends the picture; nothing of it may be used afterwards. */
   dispose(): void {
     clearTimeout(this.settle);

@@ -63,7 +63,10 @@ export class Pointing {
   /** Lays a mark on a place of the tissue. */
   mark(kind: string, text: string, places: Places): void {
     const element = make("span", { class: `label ${kind}` }, text);
-    this.riders.push(this.view.picture.labels.add(element, this.view.stages[0], middles(places)));
+    const rider = this.view.picture.labels.add(element, this.view.stages[0], middles(places));
+    rider.through = true;
+    this.riders.push(rider);
+    this.view.canvas.parentElement!.classList.add("marked");
   }
 
   /** Lays a mark where it was clicked; it stays while the picture shows the same moment. */
@@ -74,12 +77,14 @@ export class Pointing {
     const here = Math.floor(this.view.player.time + 1e-6);
     const rider = labels.add(element, stage, stage.procedure.times.map((): Vector | null => null));
     rider.places[here] = place.clone();
+    rider.through = true;
     this.riders.push(rider);
   }
 
   /** Takes all marks away. */
   clear(): void {
     for (const rider of this.riders.splice(0)) this.view.picture.labels.remove(rider);
+    this.view.canvas.parentElement?.classList.remove("marked");
     this.view.changed();
   }
 

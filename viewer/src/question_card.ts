@@ -17,6 +17,7 @@ export class QuestionCard {
   private said: { right: boolean; away?: number } | null = null;
   private pointed = false;
   private opened = false; // the list of places
+  private taken = -1; // what was chosen in it
 
   constructor(
     private readonly question: Question,
@@ -76,10 +77,12 @@ export class QuestionCard {
       const button = make("button", { type: "button" });
       const letter = candidate.kind === "corner" ? candidate.name : String(k + 1);
       button.append(make("span", { class: "number" }, letter), make("span", {}, names[k]));
+      if (k === this.taken) button.setAttribute("aria-pressed", "true");
       button.addEventListener("click", () => {
-        this.pointing.end();
-        this.pointing.clear();
+        this.taken = k;
+        this.numbered(question);
         this.judge(candidate.right, `${candidate.kind} ${candidate.name}`);
+        this.body.querySelectorAll<HTMLElement>(".candidates button")[k].focus();
       });
       rows.append(make("li", {}, button));
     });
@@ -111,6 +114,7 @@ export class QuestionCard {
       },
     );
     this.pointed = true;
+    this.taken = -1;
     this.said = this.result === "-" ? null : this.said;
     this.speak();
   }

@@ -139,6 +139,7 @@ def _scene(
         path = work / f"chapter_{number + 1}.usdc"
         say(f"Solving {chapter.procedure}")
         solve(chapter.procedure, path, chapter.spacing)
+        limits = replace(limits, allow_external=True)  # the cache is Lappet's own, over the procedure in its folder
     source = exported_cache(path, limits)
     return LessonScene.of(source, _frames(chapter, source))
 
