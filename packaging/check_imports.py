@@ -58,6 +58,7 @@ FOLDERS = (
     "output",
     "plates",
     "export",
+    "lessons",
     "bench",
     "demo",
     "installation",

@@ -1,7 +1,9 @@
 // Opens a lesson in Chromium without a network and does what a JSON file of actions says; prints JSON.
-// node lesson_browser.mjs LESSON ACTIONS: a list of [name, value], see `does`.
-import { readFileSync, writeFileSync } from "node:fs";
+// node lesson_browser.mjs LESSON ACTIONS: a list of [name, value], see `does`. LESSON is a file, or a folder whose files
+// answer as those of a site, http://lesson.test/, of which index.html is opened.
+import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { extname, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
 const require = createRequire(new URL("../viewer/package.json", import.meta.url));
@@ -23,7 +25,14 @@ try {
   });
   page.on("pageerror", (error) => told.console.push(String(error)));
   page.on("request", (request) => told.requests.push(request.url().slice(0, 60)));
-  await page.goto(pathToFileURL(lesson).href);
+  const kinds = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };
+  await context.route("http://lesson.test/**", (route) => {
+    const file = join(lesson, decodeURIComponent(new URL(route.request().url()).pathname));
+    if (!existsSync(file) || statSync(file).isDirectory()) return route.fulfill({ status: 404, body: "" });
+    const contentType = kinds[extname(file)] ?? "application/octet-stream";
+    return route.fulfill({ body: readFileSync(file), contentType: `${contentType}; charset=utf-8` });
+  });
+  await page.goto(statSync(lesson).isDirectory() ? "http://lesson.test/index.html" : pathToFileURL(lesson).href);
   const does = {
     ready: () => page.waitForFunction(() => window.lappetLesson).then(() => true),
     text: (selector) => page.locator(selector).innerText(),
@@ -35,6 +44,11 @@ try {
     check: (selector) => page.locator(selector).check({ force: true }),
     uncheck: (selector) => page.locator(selector).uncheck(),
     select: ([selector, value]) => page.locator(selector).selectOption(value),
+    // A click at a place of the tissue in mm, as long as it is not hidden there.
+    clickPlace: async ([x, y, z]) => {
+      const [left, top] = await page.evaluate((place) => window.lappetLesson.onScreen(place), [x, y, z]);
+      await page.mouse.click(left, top);
+    },
     press: (key) => page.keyboard.press(key),
     focus: (selector) => page.locator(selector).focus(),
     drag: async ([x, y, dx, dy]) => {

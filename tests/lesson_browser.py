@@ -24,7 +24,10 @@ class Opened:
 
 
 def opened(lesson: Path, *actions: tuple[str, Any], device: str = "", **options: Any) -> Opened:
-    """Open a lesson and do the actions in turn. device: one that Playwright describes, such as "iPhone 13"."""
+    """Open a lesson, or a folder as a site, and do the actions in turn.
+
+    device: one that Playwright describes, such as "iPhone 13".
+    """
     node, _ = viewer.node()
     with tempfile.TemporaryDirectory() as work:
         plan = Path(work) / "plan.json"

@@ -13,6 +13,7 @@ export function listenToKeys(
   transport: Transport,
   picture: Picture,
   show: (view: View) => void,
+  signal: AbortSignal,
 ): void {
   const anywhere: Record<string, () => void> = {
     ",": () => player.nudge(-1),
@@ -39,7 +40,7 @@ export function listenToKeys(
     Home: () => player.seek(0),
     End: () => player.seek(player.timeline.length),
   };
-  document.addEventListener("keydown", (event) => {
+  const press = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const on = event.target as HTMLElement;
     if (on.closest("select, textarea")) return;
@@ -51,5 +52,6 @@ export function listenToKeys(
     if (!action) return;
     event.preventDefault();
     action();
-  });
+  };
+  document.addEventListener("keydown", press, { signal });
 }

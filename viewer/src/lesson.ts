@@ -80,3 +80,58 @@ export interface Lesson {
   bytes: number; // of the deflated block
   size: number; // of the inflated one
 }
+
+/** Where a place is in each frame: its points, or null where it is not on the tissue. */
+export type Places = (Vector[] | null)[];
+
+export interface Hotspot {
+  title: string;
+  text: string;
+  places: Places;
+}
+
+export interface Candidate {
+  kind: "corner" | "landmark" | "suture" | "hook";
+  name: string;
+  right: boolean;
+  places: Places;
+}
+
+interface AnyQuestion {
+  ask: string;
+  step: number | null; // index of the step that belongs to it
+  right: string;
+  wrong: string;
+}
+
+export interface ChoiceQuestion extends AnyQuestion {
+  choices: string[];
+  answers: number[];
+  several: boolean;
+}
+
+export interface PlaceQuestion extends AnyQuestion {
+  within: number; // mm
+  candidates: Candidate[];
+}
+
+export type Question = ChoiceQuestion | PlaceQuestion;
+
+export interface Chapter {
+  title: string;
+  text: string[];
+  part: number;
+  look: string;
+  view: "oblique" | "top" | "low" | "behind";
+  step: number; // index
+  hotspots: Hotspot[];
+  questions: Question[];
+}
+
+/** A lesson of several procedures. */
+export interface Course extends Omit<Lesson, "procedures" | "bytes" | "size"> {
+  mastery: number | null; // percent
+  reports?: "scorm" | "h5p";
+  parts: Pick<Lesson, "procedures" | "bytes" | "size">[];
+  chapters: Chapter[];
+}

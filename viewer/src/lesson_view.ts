@@ -4,7 +4,7 @@ import type { View } from "./camera";
 import { iconButton, make, name } from "./elements";
 import { listenToKeys } from "./keyboard";
 import { Legend } from "./legend";
-import type { Lesson } from "./lesson";
+import type { Chapter, Lesson, Vector } from "./lesson";
 import { Options, type Theme } from "./options";
 import { Picture } from "./picture";
 import { Player } from "./player";
@@ -14,20 +14,33 @@ import { Timeline } from "./timeline";
 import { Transport } from "./transport";
 import type { Words } from "./words";
 
+/** What a lesson of several procedures puts around the picture of a chapter, and is told. */
+export interface Surroundings {
+  bar: HTMLElement; // below the title
+  panel: HTMLElement | null; // beside the picture
+  chapter: Chapter;
+  optionsOpen: boolean;
+  painted(time: number, playing: boolean): void;
+  spoken(): void;
+}
+
+const NARROW = "(max-width: 899px)";
+
 export class LessonView {
   readonly element = make("div", { id: "app" });
-  private readonly stages: Stage[];
-  private readonly player: Player;
-  private readonly shown: Shown;
-  private readonly canvas = make("canvas", { tabindex: 0, role: "application" });
+  readonly stages: Stage[];
+  readonly player: Player;
+  readonly shown: Shown;
+  readonly canvas = make("canvas", { tabindex: 0, role: "application" });
   private readonly overlay = make("div", { id: "labels", "aria-hidden": "true" });
   private readonly caption = make("p", { id: "caption", role: "status", "aria-live": "polite" });
-  private readonly transport: Transport;
+  readonly transport: Transport;
   private readonly options: Options;
   private readonly legend: Legend;
   private readonly fullscreen: HTMLButtonElement;
   private readonly open: HTMLButtonElement;
-  private picture!: Picture;
+  private readonly ended = new AbortController();
+  picture!: Picture;
   private told = "";
   private asked = 0;
   private before = 0;
@@ -36,6 +49,7 @@ export class LessonView {
     private readonly lesson: Lesson,
     private readonly words: Words,
     arrays: Arrays,
+    private readonly around: Surroundings | null = null,
   ) {
     this.stages = lesson.procedures.map((procedure) => new Stage(lesson, procedure, arrays));
     const labeled = (kind: string): boolean =>
@@ -51,6 +65,8 @@ export class LessonView {
       around: true,
       vessels: false,
     };
+    const look = around?.chapter.look as Shown["look"] | undefined;
+    if (look) this.shown.look = look;
     const timeline = new Timeline(lesson.procedures);
     this.player = new Player(timeline, () => this.draw());
     this.transport = new Transport(this.player, words);
@@ -88,15 +104,38 @@ export class LessonView {
   start(): void {
     const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.picture = new Picture(this.canvas, this.overlay, this.stages, this.player.timeline, still, () => this.draw());
-    this.openOptions(window.matchMedia("(min-width: 900px)").matches, false);
-    listenToKeys(this.canvas, this.player, this.transport, this.picture, (view) => this.show(view));
+    this.openOptions(this.around?.optionsOpen ?? !window.matchMedia(NARROW).matches, false);
+    const { signal } = this.ended;
+    listenToKeys(this.canvas, this.player, this.transport, this.picture, (view) => this.show(view), signal);
     const sheet = new PrintSheet(
       this.lesson, this.words, this.picture, this.player.timeline, this.transport, this.shown, () => this.draw(),
+      signal, this.around?.chapter ?? null,
     );
     document.body.append(sheet.element);
     this.speak(this.words.language);
-    this.picture.show("oblique", true);
-    this.options.showView("oblique");
+    const view = this.around?.chapter.view ?? "oblique";
+    this.picture.show(view, true);
+    this.options.showView(view);
+    if (this.around) this.player.toStep(this.around.chapter.step);
+  }
+
+  /** Ends the view; its element can be taken away. */
+  end(): void {
+    this.ended.abort();
+    cancelAnimationFrame(this.asked);
+    this.asked = -1; // nothing is drawn any more
+    this.picture.dispose();
+  }
+
+  /** Whether the panel of options is open. */
+  get optionsOpen(): boolean {
+    return !this.options.element.hidden;
+  }
+
+  /** Draws again soon, after `shown` was changed. */
+  changed(): void {
+    this.options.showShown();
+    this.draw();
   }
 
   /** What scripts may ask and do, tests among them. */
@@ -116,6 +155,8 @@ export class LessonView {
       /** The positions that are on the screen. */
       shown: (procedure = 0) => Array.from(this.stages[procedure].points()),
       resting: () => !this.asked && !this.player.playing && this.picture.resting,
+      /** Where a place in mm is on the page, in CSS pixels. */
+      onScreen: (place: Vector, procedure = 0) => this.picture.onScreen(this.stages[procedure].placed(place), procedure),
       time: () => this.player.time,
       length: () => this.player.timeline.length,
       epoch: (frame: number, procedure = 0) =>
@@ -136,7 +177,13 @@ export class LessonView {
     if (titles.length) frame.append(make("div", { class: "titles" }, ...titles));
     frame.append(this.legend.element);
     const main = make("main", {}, frame, this.caption, this.transport.element);
-    this.element.append(head, main, this.options.element);
+    this.element.append(head);
+    if (this.around) {
+      this.element.classList.add("course");
+      this.element.classList.toggle("plain", !this.around.panel);
+      this.element.append(this.around.bar, ...(this.around.panel ? [this.around.panel] : []));
+    }
+    this.element.append(main, this.options.element);
   }
 
   private show(view: View): void {
@@ -153,6 +200,7 @@ export class LessonView {
     name(this.open, this.words.say("options"));
     name(this.fullscreen, this.words.say("fullscreen"));
     this.told = "";
+    this.around?.spoken();
     this.draw();
   }
 
@@ -191,6 +239,7 @@ export class LessonView {
     this.legend.update(this.shown.look);
     this.options.showView(this.picture.currentView);
     this.tell();
+    this.around?.painted(player.time, player.playing);
     this.before = now;
     if (moving || player.playing) this.draw();
   }

@@ -54,6 +54,13 @@ export class Options {
     }
   }
 
+  /** Sets the boxes to what is shown, where that was changed elsewhere. */
+  showShown(): void {
+    for (const box of this.element.querySelectorAll<HTMLInputElement>("input[type=checkbox]")) {
+      box.checked = this.shown[box.name as Toggle];
+    }
+  }
+
   private say(how: () => void): void {
     this.told.push(how);
     how();
@@ -145,7 +152,7 @@ export class Options {
   private theme(): HTMLElement {
     const select = make("select", { id: "theme", name: "theme" });
     for (const each of ["auto", "light", "dark"]) {
-      const option = make("option", { value: each });
+      const option = make("option", { value: each, selected: each === (document.documentElement.dataset.theme ?? "auto") });
       this.say(() => (option.textContent = this.words.say(`theme.${each}`)));
       select.append(option);
     }

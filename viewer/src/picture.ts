@@ -25,7 +25,8 @@ export class Picture {
   readonly camera = new THREE.PerspectiveCamera(20, 1, 1, 10000);
   private readonly renderer: THREE.WebGLRenderer;
   private readonly controls: OrbitControls;
-  private readonly labels: Labels;
+  readonly labels: Labels;
+  private readonly sized: ResizeObserver;
   private flight: { from: Pose; to: Pose; at: number } | null = null;
   private sharp = 1; // share of the screen's pixels along an edge
   private readonly rested: number; // that of a picture that rests
@@ -65,7 +66,8 @@ export class Picture {
     });
     this.controls.addEventListener("change", requestDraw);
     this.labels = new Labels(overlay, stages, requestDraw);
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    this.sized = new ResizeObserver(() => this.resize());
+    this.sized.observe(canvas.parentElement!);
     this.resize();
   }
 
@@ -125,6 +127,34 @@ export class Picture {
       this.labels.place(stage, moment, this.camera, parts[k], shown);
     });
     return moving;
+  }
+
+  /** The place of the skin at a point of the canvas (CSS pixels), in the field's coordinates of its stage. */
+  pick(x: number, y: number): { stage: Stage; place: THREE.Vector3 } | null {
+    const parts = this.parts();
+    const which = parts.findIndex((part) => x >= part.x && x < part.right && y >= part.y && y < part.bottom);
+    if (which < 0) return null;
+    const part = parts[which];
+    const on = new THREE.Vector2((2 * (x - part.x)) / part.width - 1, 1 - (2 * (y - part.y)) / part.height);
+    const place = this.stages[which].touched(on, this.camera);
+    return place && { stage: this.stages[which], place };
+  }
+
+  /** Where a place of a stage is on the page, in CSS pixels. */
+  onScreen(place: THREE.Vector3, stage: number): [number, number] {
+    const part = this.parts()[stage];
+    const box = this.canvas.getBoundingClientRect();
+    const on = place.clone().project(this.camera);
+    return [box.x + part.x + (0.5 + 0.5 * on.x) * part.width, box.y + part.y + (0.5 - 0.5 * on.y) * part.height];
+  }
+
+  /** Ends the picture; nothing of it may be used afterwards. */
+  dispose(): void {
+    clearTimeout(this.settle);
+    this.sized.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   /** A picture of a moment as a data address, with the camera where it is. */

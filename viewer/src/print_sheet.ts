@@ -1,6 +1,6 @@
 // What is printed: the title and a picture of every step with its caption.
 import { make } from "./elements";
-import type { Lesson } from "./lesson";
+import type { Chapter, Lesson } from "./lesson";
 import type { Picture } from "./picture";
 import type { Shown } from "./stage";
 import type { Timeline } from "./timeline";
@@ -21,17 +21,24 @@ export class PrintSheet {
     private readonly transport: Transport,
     private readonly shown: Shown,
     restored: () => void,
+    signal: AbortSignal,
+    private readonly chapter: Chapter | null,
   ) {
-    window.addEventListener("beforeprint", () => this.fill());
-    window.addEventListener("afterprint", () => {
+    window.addEventListener("beforeprint", () => this.fill(), { signal });
+    const empty = (): void => {
       this.element.replaceChildren();
       restored();
-    });
+    };
+    window.addEventListener("afterprint", empty, { signal });
+    signal.addEventListener("abort", () => this.element.remove());
   }
 
   private fill(): void {
     const { lesson, picture, timeline } = this;
     this.element.replaceChildren(make("h1", {}, lesson.title));
+    if (this.chapter) {
+      this.element.append(make("h2", {}, this.chapter.title), ...this.chapter.text.map((each) => make("p", {}, each)));
+    }
     picture.stages.forEach((stage, which) => {
       if (picture.stages.length > 1) this.element.append(make("h2", {}, stage.procedure.title));
       const grid = make("div", { class: "figures" });

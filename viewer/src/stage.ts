@@ -137,6 +137,15 @@ export class Stage {
     return this.ray.intersectObject(skin.mesh, false).length === 0;
   }
 
+  /** The place of the skin that a ray through a point of the screen (-1 to 1) meets first, in the field's coordinates. */
+  touched(point: THREE.Vector2, camera: THREE.Camera): THREE.Vector3 | null {
+    const skin = this.epochs.find((each) => each.mesh.visible);
+    if (!skin) return null;
+    this.ray.setFromCamera(point, camera);
+    this.ray.far = Infinity;
+    return this.ray.intersectObject(skin.mesh, false)[0]?.point ?? null;
+  }
+
   private drawLips(skin: SkinMesh): void {
     const radius = LIP_RADIUS * this.procedure.field.scale;
     this.lips.draw(

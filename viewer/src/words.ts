@@ -3,7 +3,7 @@ import type { Lesson } from "./lesson";
 
 export class Words {
   constructor(
-    private readonly lesson: Lesson,
+    private readonly lesson: Pick<Lesson, "words">,
     public language: string,
   ) {}
 

@@ -21,6 +21,7 @@ from lappet.commands.flap_command import flap
 from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
+from lappet.commands.lesson_command import lesson
 from lappet.commands.models_command import models
 from lappet.commands.new_command import new
 from lappet.commands.plate_command import plate
@@ -61,6 +62,6 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-_MAKING = (solve, follow, demo, check, inspect, render, plate, film, export, compare, new, models, flap, report)
+_MAKING = (solve, follow, demo, check, inspect, render, plate, film, export, lesson, compare, new, models, flap, report)
 for _command in (*_MAKING, keys, doctor, completion):
     cli.add_command(_command)

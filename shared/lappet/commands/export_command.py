@@ -32,6 +32,7 @@ def export(
     """Write a solved procedure for other programs.
 
     .html: a lesson in one file for a browser, of one procedure or of two side by side.
+    .zip, .h5p: the same as a package of SCORM 1.2 or of H5P, for a learning platform.
     .glb: glTF with every frame, the steps as animations.
     .usdc, .usda: USD in one file, without the procedure.
     .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.

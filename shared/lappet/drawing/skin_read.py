@@ -68,6 +68,11 @@ class SkinCache(SkinSource):
         return self._stage
 
     @property
+    def millimeters(self) -> float:
+        """Length of the stage's unit in mm."""
+        return float(self._mm)
+
+    @property
     def epochs(self) -> tuple[SkinEpoch, ...]:
         return self._epochs
 

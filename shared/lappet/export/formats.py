@@ -16,6 +16,12 @@ def _lesson() -> ExportFunction:
     return write_lesson
 
 
+def _package() -> ExportFunction:
+    from lappet.export.lesson_delivery import write_package
+
+    return write_package
+
+
 def _glb() -> ExportFunction:
     from lappet.export.glb_file import write_glb
 
@@ -55,6 +61,13 @@ EXPORTERS: tuple[Exporter, ...] = (
         _lesson,
         options=frozenset({"language", "title", "frames"}),
         most_caches=2,
+    ),
+    *(
+        Exporter(suffix, what, _package, options=frozenset({"language", "title", "frames"}), most_caches=2)
+        for suffix, what in (
+            (".zip", "the lesson as a package of SCORM 1.2, which reports the steps that were seen"),
+            (".h5p", "the lesson as a package of H5P, which reports the steps that were seen"),
+        )
     ),
     Exporter(
         ".glb",
@@ -121,7 +134,7 @@ def export(request: ExportRequest) -> list[Path]:
         If a file cannot be written.
     """
     exporter = exporter_of(request.target)
-    _check_place(request.target)
+    check_place(request.target)
     if len(request.caches) > exporter.most_caches:
         count, most = len(request.caches), exporter.most_caches
         raise refused(ProblemCode.EXPORT_CACHES, request.target, count, most=most, suffix=exporter.suffix)
@@ -137,7 +150,19 @@ def _spelled(name: str) -> str:
     return name.replace("_", "-")
 
 
-def _check_place(target: Path) -> None:
+def check_place(target: Path) -> None:
+    """Refuse a place where no file can be written.
+
+    Parameters
+    ----------
+    target
+        The file to write.
+
+    Raises
+    ------
+    RefusedError
+        If its folder is not there or cannot be written, or a folder has its name.
+    """
     folder = target.absolute().parent
     if not folder.is_dir():
         raise refused(ProblemCode.EXPORT_FOLDER, target, folder)

@@ -13,8 +13,8 @@ from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import chosen_frames, exported_cache
 from lappet.export.lesson_arrays import LessonArrays
-from lappet.export.lesson_page import lesson_page
-from lappet.export.lesson_procedure import lesson_procedure
+from lappet.export.lesson_page import LessonBlock, lesson_page
+from lappet.export.lesson_procedure import LessonScene, lesson_procedure
 from lappet.export.lesson_skin import quantity_scales
 from lappet.export.lesson_words import lesson_words
 from lappet.export.viewer_program import viewer_program
@@ -43,35 +43,88 @@ def write_lesson(request: ExportRequest) -> list[Path]:
         If the file cannot be written.
     """
     program = viewer_program()
+    arrays = LessonArrays()
+    names, procedures = shown_procedures(request, arrays)
+    content: dict[str, Any] = {
+        **lesson_head(request.options.get("title") or " · ".join(names), request.options.get("language", "en")),
+        "procedures": procedures,
+    }
+    block = LessonBlock(arrays.block(), arrays.size)
+    write_whole(lesson_page(content, [block], program).encode("utf-8"), request.target)
+    return [request.target]
+
+
+def lesson_head(title: str, language: str) -> dict[str, Any]:
+    """Make what every lesson's content begins with.
+
+    Parameters
+    ----------
+    title
+        The lesson's title.
+    language
+        Code of the language that it opens in.
+
+    Returns
+    -------
+    dict[str, Any]
+        The beginning, for JSON.
+    """
+    return {
+        "format": FORMAT,
+        "version": version(),
+        "title": title,
+        "language": language,
+        "words": lesson_words(),
+        "ramp": RAMP,
+    }
+
+
+def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list[str], list[dict[str, Any]]]:
+    """Write the procedures of a request, which are shown side by side.
+
+    Parameters
+    ----------
+    request
+        The caches and the option `frames`.
+    arrays
+        Where their arrays go.
+
+    Returns
+    -------
+    tuple[list[str], list[dict[str, Any]]]
+        Their names, and what the viewer knows of them, for JSON.
+
+    Raises
+    ------
+    RefusedError
+        If a cache cannot be shown.
+    """
     frames = request.options.get("frames")
     sources = [exported_cache(path, request.limits) for path in request.caches]
     shown = [chosen_frames(source, None if frames is None else tuple(frames)) for source in sources]
     names = [path.name.split(".")[0].replace("_", " ") for path in request.caches]
-    arrays = LessonArrays()
     try:
         scales = quantity_scales(list(zip(sources, shown, strict=True)))
-        told = zip(sources, names, shown, strict=True)
-        procedures = [lesson_procedure(source, name, times, scales, arrays) for source, name, times in told]
+        scenes = [LessonScene.of(source, times) for source, times in zip(sources, shown, strict=True)]
+        told = zip(scenes, names, strict=True)
+        return names, [lesson_procedure(scene, name, scales, arrays) for scene, name in told]
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, request.caches[0], reason=str(error)) from error
-    content: dict[str, Any] = {
-        "format": FORMAT,
-        "version": version(),
-        "title": request.options.get("title") or " · ".join(names),
-        "language": request.options.get("language", "en"),
-        "words": lesson_words(),
-        "ramp": RAMP,
-        "procedures": procedures,
-        "size": arrays.size,
-    }
-    _write(lesson_page(content, arrays.block(), program), request.target)
-    return [request.target]
 
 
-def _write(page: str, path: Path) -> None:
+def write_whole(data: bytes, path: Path) -> None:
+    """Write a file that appears whole or not at all.
+
+    Parameters
+    ----------
+    data
+        What it holds.
+    path
+        The file.
+    """
     draft = path.with_name(f".{path.name}.part")
     try:
-        draft.write_text(page, encoding="utf-8", newline="\n")
+        draft.write_bytes(data)
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)

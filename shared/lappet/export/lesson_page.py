@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -12,7 +14,23 @@ _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inl
 _NOTICE = "font:18px/1.5 system-ui,sans-serif;max-width:34em;margin:12vh auto;padding:0 1.5em;color:CanvasText"
 
 
-def lesson_page(content: dict[str, Any], block: bytes, program: str) -> str:
+@dataclass(frozen=True)
+class LessonBlock:
+    """A block of arrays.
+
+    Parameters
+    ----------
+    data
+        The deflated arrays.
+    size
+        Number of bytes once they are inflated.
+    """
+
+    data: bytes
+    size: int
+
+
+def lesson_page(content: dict[str, Any], blocks: Sequence[LessonBlock], program: str) -> str:
     """Make the page.
 
     A sentence stands first; the program takes it away when it has all it needs. So a file that was cut anywhere
@@ -21,9 +39,10 @@ def lesson_page(content: dict[str, Any], block: bytes, program: str) -> str:
     Parameters
     ----------
     content
-        What the viewer knows of the lesson, for JSON: `title`, `language` and `words` among it.
-    block
-        The deflated arrays.
+        What the viewer knows of the lesson, for JSON: `title`, `language` and `words` among it, and either
+        `procedures` or a list of `parts` of which each has them.
+    blocks
+        The arrays of the lesson, or of each of its parts.
     program
         The viewer, as JavaScript.
 
@@ -34,7 +53,14 @@ def lesson_page(content: dict[str, Any], block: bytes, program: str) -> str:
     """
     language, title = content["language"], content["title"]
     words = content["words"][language]
-    told = {**content, "bytes": len(block)}
+    sizes = [{"bytes": len(block.data), "size": block.size} for block in blocks]
+    if "parts" in content:
+        every = zip(content["parts"], sizes, strict=True)
+        told = {**content, "parts": [{**part, **size} for part, size in every]}
+        names = [f"arrays-{k}" for k in range(len(blocks))]
+    else:
+        told = {**content, **sizes[0]}
+        names = ["arrays"]
     data = json.dumps(told, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     parts = [
         f'<!doctype html>\n<html lang="{language}">\n<head>\n<meta charset="utf-8">',
@@ -47,7 +73,11 @@ def lesson_page(content: dict[str, Any], block: bytes, program: str) -> str:
         f'<p role="status">{escape(words["opening"])}</p></main>',
         f"<script>\n{program}\n</script>",
         f'<script type="application/json" id="lesson">{data}</script>',
-        f'<script type="text/plain" id="arrays">{base64.b64encode(block).decode("ascii")}</script>',
+        *(_block(name, block) for name, block in zip(names, blocks, strict=True)),
         "</body>\n</html>\n",
     ]
     return "\n".join(parts)
+
+
+def _block(name: str, block: LessonBlock) -> str:
+    return f'<script type="text/plain" id="{name}">{base64.b64encode(block.data).decode("ascii")}</script>'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,26 +17,64 @@ from lappet.export.lesson_labels import lesson_labels
 from lappet.export.lesson_skin import LessonSkin
 from lappet.export.lesson_strands import Line, strands
 from lappet.plates.plate_scene import PlateScene, plate_scene
-from lappet.plates.plate_steps import plate_steps
+from lappet.plates.plate_steps import PlateStep, plate_steps
 from lappet.procedure.vessel import VESSEL_COLORS
 
 _SIZE = (160.0, 100.0)  # of the panel that the field is found for; the browser finds its own distance
 _DIRECTIONS = 96
 
 
-def lesson_procedure(
-    source: SkinCache, title: str, frames: tuple[float, ...], scales: Mapping[str, Any], arrays: LessonArrays
-) -> dict[str, Any]:
-    """Write a procedure.
+@dataclass(frozen=True, eq=False)
+class LessonScene:
+    """A solved procedure before the camera, and what of it is shown.
 
     Parameters
     ----------
     source
         The solved procedure.
-    title
-        Its name in the lesson.
     frames
         Time codes of the frames that are shown, ascending.
+    steps
+        The steps among them.
+    scene
+        The procedure before the camera.
+    """
+
+    source: SkinCache
+    frames: tuple[float, ...]
+    steps: tuple[PlateStep, ...]
+    scene: PlateScene
+
+    @staticmethod
+    def of(source: SkinCache, frames: tuple[float, ...]) -> LessonScene:
+        """Find the steps and place the camera.
+
+        Parameters
+        ----------
+        source
+            The solved procedure.
+        frames
+            Time codes of the frames that are shown, ascending.
+
+        Returns
+        -------
+        LessonScene
+            The scene.
+        """
+        steps = tuple(step for step in plate_steps(source, _normal(source)) if step.time in frames)
+        times = [step.time for step in steps] or [frames[0], frames[-1]]
+        return LessonScene(source, frames, steps, plate_scene(source, times, "oblique", _SIZE))
+
+
+def lesson_procedure(shown: LessonScene, title: str, scales: Mapping[str, Any], arrays: LessonArrays) -> dict[str, Any]:
+    """Write a procedure.
+
+    Parameters
+    ----------
+    shown
+        The solved procedure, its frames and steps.
+    title
+        Its name in the lesson.
     scales
         The color scales of its quantities (`lappet.export.lesson_skin.quantity_scales`).
     arrays
@@ -46,14 +85,13 @@ def lesson_procedure(
     dict[str, Any]
         All that the viewer knows of it, for JSON.
     """
-    steps = [step for step in plate_steps(source, _normal(source)) if step.time in frames]
-    scene = plate_scene(source, [step.time for step in steps] or [frames[0], frames[-1]], "oblique", _SIZE)
+    source, frames, scene = shown.source, shown.frames, shown.scene
     skin = LessonSkin(source, frames, scales, arrays)
     return {
         "title": title,
         "fps": source.fps,
         "times": list(frames),
-        "steps": [{"frame": frames.index(step.time), "kind": str(step.kind)} for step in steps],
+        "steps": [{"frame": frames.index(step.time), "kind": str(step.kind)} for step in shown.steps],
         "epochs": skin.epochs(),
         "quantities": scales,
         "layers": _layers(source),

@@ -1,0 +1,1 @@
+"""Lessons of several procedures: chapters, hotspots and questions, from a plan in TOML."""
