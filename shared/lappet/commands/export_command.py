@@ -24,6 +24,14 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--every-frame", is_flag=True, default=None, help="Write a mesh for every frame, numbered.")
 @click.option("--language", type=click.Choice(_LANGUAGES), help="Language a lesson opens in.  [default: en]")
 @click.option("--title", help="Title of a lesson.  [default: the name of the cache]")
+@click.option(
+    "--tolerance-mm",
+    type=click.FloatRange(min=0.0, min_open=True),
+    help="How far .usdz may be from the cache, in mm.  [default: 0.5]",
+)
+@click.option("--bones", type=click.IntRange(min=1), help="Bones that each part of a .usdz may have.  [default: 200]")
+@click.option("--pause", type=click.FloatRange(0.0, 60.0), help="Seconds on each step of a .usdz.  [default: 1.0]")
+@click.option("--instruments/--no-instruments", default=None, help="Threads and hooks in a .usdz.  [default: with]")
 @reading_options
 @click.pass_context
 def export(
@@ -34,6 +42,7 @@ def export(
     .html: a lesson in one file for a browser, of one procedure or of two side by side.
     .zip, .h5p: the same as a package of SCORM 1.2 or of H5P, for a learning platform.
     .glb: glTF with every frame, the steps as animations.
+    .usdz: for augmented reality, every frame by bones, at real size.
     .usdc, .usda: USD in one file, without the procedure.
     .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.
     .csv: forces, landmarks and lengths, a row for each frame.

@@ -608,6 +608,11 @@ class ProblemCode(StrEnum):
     EXPORT_OPEN_SURFACE = auto()
     EXPORT_NO_BPY = auto()
     EXPORT_BLENDER = auto()
+    EXPORT_AR_SIZE = auto()
+    EXPORT_AR_BYTES = auto()
+    EXPORT_BONES = auto()
+    EXPORT_BONES_ERROR = auto()
+    EXPORT_FRAMES_MISSING = auto()
 
     # texts/lessons.toml
     LESSON_FILE = auto()

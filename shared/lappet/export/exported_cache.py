@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from lappet.core.problem import refused
+import numpy as np
+
+from lappet.core.problem import Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
@@ -69,3 +72,23 @@ def chosen_frames(cache: SkinCache, frames: tuple[float, ...] | None) -> tuple[f
             first, last = cache.frames[0], cache.frames[-1]
             raise refused(ProblemCode.EXPORT_FRAME, cache.path, f"{time:g}", first=first, last=last)
     return tuple(sorted(set(frames)))
+
+
+def note_missing_frames(cache: SkinCache, note: Callable[[Problem], None]) -> None:
+    """Warn of frames that are missing between others.
+
+    Parameters
+    ----------
+    cache
+        The cache.
+    note
+        Is told of them.
+    """
+    frames = np.array(cache.frames)
+    gaps = np.diff(frames)
+    if not len(gaps):
+        return
+    step = float(np.median(gaps))
+    for k in np.flatnonzero(gaps > 1.5 * step):
+        missing = f"{frames[k] + step:g} to {frames[k + 1] - step:g}"
+        note(problem(ProblemCode.EXPORT_FRAMES_MISSING, cache.path, missing))

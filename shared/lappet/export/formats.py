@@ -52,6 +52,12 @@ def _usd() -> ExportFunction:
     return write_usd
 
 
+def _usdz() -> ExportFunction:
+    from lappet.export.usdz_file import write_usdz
+
+    return write_usdz
+
+
 _STILL = frozenset({"frames", "step", "every_frame"})
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -74,6 +80,12 @@ EXPORTERS: tuple[Exporter, ...] = (
         "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
         _glb,
         options=frozenset({"frames"}),
+    ),
+    Exporter(
+        ".usdz",
+        "for augmented reality: every frame by bones, at real size, with materials",
+        _usdz,
+        options=frozenset({"frames", "tolerance_mm", "bones", "pause", "instruments"}),
     ),
     *(Exporter(suffix, "USD in one file, without what is planned and measured", _usd) for suffix in (".usdc", ".usda")),
     Exporter(".stl", "the tissue's surface in one frame, for printing", _meshes, options=_STILL),

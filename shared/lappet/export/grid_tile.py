@@ -26,17 +26,37 @@ def grid_tile() -> bytes:
     bytes
         A PNG. White is the skin's own color, by which viewers multiply it.
     """
-    place = (np.arange(SIZE) + 0.5) / SIZE * _PITCH
-    wide, fine = _lines(place, _PITCH, _HEAVY), _lines(place, _TICK, _FINE)
-    ink = np.maximum(
-        _SHARE * np.maximum(wide[:, None], wide[None]), _TICK_SHARE * np.maximum(fine[:, None], fine[None])
-    )
-    share = (1.0 - ink)[..., None] + ink[..., None] * (_INK / np.array(SKIN_LOOK.color))
+    share = grid_ink(np.ones((SIZE, SIZE, 3)), 1, _INK / np.array(SKIN_LOOK.color))
     encoded = np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "grid.png"
         write_png(np.rint(255.0 * encoded.clip(0.0, 1.0)).astype(np.uint8), path)
         return path.read_bytes()
+
+
+def grid_ink(picture: NDArray[np.float64], squares: int, ink: NDArray[np.float64] = _INK) -> NDArray[np.float64]:
+    """Print the grid on a picture.
+
+    Parameters
+    ----------
+    picture
+        Linear colors, shape (k, k, 3).
+    squares
+        How many squares of the grid it holds in each direction; lines are at its borders.
+    ink
+        The linear color of the lines.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The colors with the grid, of the same shape.
+    """
+    place = (np.arange(len(picture)) + 0.5) / len(picture) * _PITCH * squares
+    wide, fine = _lines(place, _PITCH, _HEAVY), _lines(place, _TICK, _FINE)
+    share = np.maximum(
+        _SHARE * np.maximum(wide[:, None], wide[None]), _TICK_SHARE * np.maximum(fine[:, None], fine[None])
+    )[..., None]
+    return np.asarray((1.0 - share) * picture + share * ink)
 
 
 def _lines(place: NDArray[np.float64], pitch: float, width: float) -> NDArray[np.float64]:

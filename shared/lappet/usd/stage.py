@@ -38,12 +38,14 @@ class Pxr(SimpleNamespace):
     """The USD modules that Lappet uses."""
 
     Gf: Any
+    Kind: Any
     Plug: Any
     Sdf: Any
     Tf: Any
     Usd: Any
     UsdGeom: Any
     UsdShade: Any
+    UsdSkel: Any
     UsdUtils: Any
     Vt: Any
 
@@ -86,11 +88,23 @@ def pxr() -> Pxr:
     """
     try:
         with _interrupts_wait():
-            from pxr import Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
+            from pxr import Gf, Kind, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, UsdUtils, Vt
     except ImportError as cause:
         raise UsdMissingError((problem(ProblemCode.USD_MISSING, "", cause),)) from cause
     Plug.Registry().RegisterPlugins(str(SCHEMA.resolve()))
-    return Pxr(Gf=Gf, Plug=Plug, Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, UsdShade=UsdShade, UsdUtils=UsdUtils, Vt=Vt)
+    return Pxr(
+        Gf=Gf,
+        Kind=Kind,
+        Plug=Plug,
+        Sdf=Sdf,
+        Tf=Tf,
+        Usd=Usd,
+        UsdGeom=UsdGeom,
+        UsdShade=UsdShade,
+        UsdSkel=UsdSkel,
+        UsdUtils=UsdUtils,
+        Vt=Vt,
+    )
 
 
 def open_stage(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> Any:
