@@ -3,8 +3,9 @@ if(CMAKE_CROSSCOMPILING OR LAPPET_BLAS_CHECKED)
   return()
 endif()
 message(STATUS "Checking the BLAS of CHOLMOD from several threads")
-try_run(blas_is_wrong blas_compiles "${CMAKE_BINARY_DIR}/blas_from_threads"
-        "${CMAKE_CURRENT_LIST_DIR}/blas_from_threads.cpp"
+try_run(blas_is_wrong blas_compiles
+        SOURCES "${CMAKE_CURRENT_LIST_DIR}/blas_from_threads.cpp"
+                "${PROJECT_SOURCE_DIR}/solverd/src/platform/platform_posix.cpp"
         CMAKE_FLAGS "-DINCLUDE_DIRECTORIES=${PROJECT_SOURCE_DIR}/solverd/src" "-DCMAKE_BUILD_TYPE=Release"
         LINK_LIBRARIES CHOLMOD::CHOLMOD Threads::Threads ${CMAKE_DL_LIBS}
         CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON

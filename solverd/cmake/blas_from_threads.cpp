@@ -1,7 +1,6 @@
 // Factors one matrix many times from several threads, as sessions do side by side, with the LAPACK that CHOLMOD has
 // loaded. Every factor must have the bits of the first. Exit status: 0 so it is, 1 some differ.
 #include <cholmod.h>
-#include <dlfcn.h>
 
 #include <algorithm>
 #include <atomic>
@@ -29,7 +28,7 @@ int main() {
   cholmod_start(&common);  // so that the linker keeps CHOLMOD, and with it LAPACK
   cholmod_finish(&common);
   lappet::keep_blas_serial();
-  const auto factorize = reinterpret_cast<Factorize>(dlsym(RTLD_DEFAULT, "dpotrf_"));
+  const auto factorize = reinterpret_cast<Factorize>(lappet::loaded_function("dpotrf_"));
   if (factorize == nullptr) {
     std::puts("CHOLMOD has loaded no LAPACK.");
     return 1;

@@ -163,16 +163,16 @@ Index AnchorStencils::cell_of(const Vec3& point, std::span<const Wall> walls) co
     return cell >= 0 && is_seen(point, Vec3(corner + edge * center(voxel)), walls) ? cell : -1;
   };
   if (const Index cell = found(own); cell >= 0) return cell;
-  std::array<std::pair<double, Voxel>, 27> near;
+  std::array<std::pair<double, Voxel>, 27> nearest;
   std::size_t count = 0;
   for (std::int32_t x = -1; x <= 1; ++x)
     for (std::int32_t y = -1; y <= 1; ++y)
       for (std::int32_t z = -1; z <= 1; ++z) {
         const Voxel voxel{own[0] + x, own[1] + y, own[2] + z};
-        near[count++] = {(center(voxel) - at).squaredNorm(), voxel};
+        nearest[count++] = {(center(voxel) - at).squaredNorm(), voxel};
       }
-  std::ranges::sort(near);
-  for (const auto& [distance, voxel] : near)
+  std::ranges::sort(nearest);
+  for (const auto& [distance, voxel] : nearest)
     if (const Index cell = found(voxel); cell >= 0) return cell;
   return -1;
 }

@@ -99,9 +99,10 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const Index> triangles)
     if (seen == search_) continue;
     seen = search_;
     const auto look = [&, min_distance = reach](const Voxel& voxel) {
-      const double far = std::max(min_distance, (VoxelTree::center(voxel) - point).norm());
-      if ((far < best || (far == best && voxel < result)) && (none_dropped_ || fine_.lattice_cell(voxel) >= 0)) {
-        best = far;
+      const double distance = std::max(min_distance, (VoxelTree::center(voxel) - point).norm());
+      if ((distance < best || (distance == best && voxel < result)) &&
+          (none_dropped_ || fine_.lattice_cell(voxel) >= 0)) {
+        best = distance;
         result = voxel;
       }
       return best;
@@ -131,9 +132,9 @@ Voxel Embedder::nearest_of_all(const Vec3& point) const {
   Voxel result{-1, -1, -1};
   for (Index t = 0; t < fine_.triangle_count(); ++t)
     for (const Voxel voxel : fine_.inner_voxels(t)) {
-      const double far = (VoxelTree::center(voxel) - point).squaredNorm();
-      if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
-        best = far;
+      const double distance = (VoxelTree::center(voxel) - point).squaredNorm();
+      if ((distance < best || (distance == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
+        best = distance;
         result = voxel;
       }
     }

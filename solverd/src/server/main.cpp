@@ -1,17 +1,11 @@
 // lappet-solverd: the daemon. Options, logging and the exit status. Without keys it serves its own user (server.h),
-// with keys several (broker.h).
-#include <fcntl.h>
+// with keys several (serve_users.h).
 #include <spdlog/cfg/env.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -19,13 +13,14 @@
 #include <string>
 
 #include "math/instruction_set.h"
-#include "server/broker.h"
+#include "platform/platform.h"
+#include "server/broker_options.h"
 #include "server/child_limits.h"
 #include "server/private_address.h"
+#include "server/serve_users.h"
 #include "server/server.h"
 #include "server/session_limits.h"
 #include "server/version.h"
-#include "session/process_memory.h"
 #include "session/session.h"
 
 namespace lappet {
@@ -83,44 +78,7 @@ int serve(const Options& options) {
   return 0;
 }
 
-std::array<int, 2> signal_pipe = {-1, -1};
-
-void on_signal(int) {
-  const int error = errno;
-  const char byte = 0;
-  static_cast<void>(!::write(signal_pipe[1], &byte, 1));
-  errno = error;
-}
-
-// A descriptor that can be read when somebody wants the program to end.
-int catch_signals() {
-  if (::pipe(signal_pipe.data()) != 0) return -1;
-  for (const int end : signal_pipe) {
-    ::fcntl(end, F_SETFD, FD_CLOEXEC);
-    ::fcntl(end, F_SETFL, O_NONBLOCK);
-  }
-  struct sigaction action{};
-  action.sa_handler = on_signal;
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::sigaction(signal, &action, nullptr);
-  return signal_pipe[0];
-}
-
-// As many descriptors as the connections can take, and no more connections than there are descriptors for: a third of
-// them for peers that are not known.
-void share_descriptors(GateLimits& gate) {
-  constexpr rlim_t kWanted = 8192, kOwn = 64, kOfConnection = 6;  // and of its session
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  if (limit.rlim_cur < kWanted) {
-    limit.rlim_cur = std::min(kWanted, limit.rlim_max);
-    ::setrlimit(RLIMIT_NOFILE, &limit);
-  }
-  const rlim_t connections = std::max<rlim_t>(limit.rlim_cur, 2 * kOwn) / kOfConnection - kOwn / kOfConnection;
-  gate.unknown = std::min<rlim_t>(gate.unknown, connections / 3);
-  gate.known = std::min<rlim_t>(gate.known, connections - gate.unknown);
-}
-
-int broke(Options& options) {
+int serve_users_with(Options& options) {
   BrokerOptions& broker = options.broker;
   broker.address = options.server.address;
   if (options.memory_gib > 0.0) broker.limits.memory = options.memory_bytes;
@@ -130,13 +88,9 @@ int broke(Options& options) {
   broker.silence = options.server.silence;
   broker.parent = options.server.parent;
   broker.serves_one = broker.parent != 0;
-  broker.input = STDIN_FILENO;
-  broker.signals = catch_signals();
+  broker.input = kStandardInput;
   broker.verbose = options.verbose;
-  share_descriptors(broker.gate);
-  Broker daemon(broker);
-  say_where(daemon.endpoint());
-  spdlog::warn("The daemon ends: {}.", daemon.run());
+  spdlog::warn("The daemon ends: {}.", serve_users(broker, say_where));
   return 0;
 }
 
@@ -227,18 +181,17 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
 
-  std::signal(SIGPIPE, SIG_IGN);  // a client that ends with our log pipe is seen on standard input
+  lappet::survive_closed_pipes();  // a client that ends with our log pipe is seen on standard input
   lappet::start_log(options.verbose);
   try {
     lappet::ServerOptions& server = options.server;
-    if (const char* token = std::getenv("LAPPET_TOKEN")) server.token = token;
-    ::unsetenv("LAPPET_TOKEN");
-    server.input = STDIN_FILENO;
+    server.token = lappet::take_variable("LAPPET_TOKEN");
+    server.input = lappet::kStandardInput;
     server.silence = std::chrono::milliseconds(static_cast<std::int64_t>(options.silence * 1000.0));
     if (options.memory_gib > 0.0) options.memory_bytes = static_cast<std::uint64_t>(options.memory_gib * lappet::kGiB);
     if (options.process_memory != 0) lappet::become_child_of(server.parent, options.process_memory);
     lappet::choose_instruction_set();  // a wrong LAPPET_ISA is refused before anybody waits
-    return options.broker.keys.empty() ? lappet::serve(options) : lappet::broke(options);
+    return options.broker.keys.empty() ? lappet::serve(options) : lappet::serve_users_with(options);
   } catch (const std::exception& error) {
     spdlog::critical("{}", error.what());
   }

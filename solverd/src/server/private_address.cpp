@@ -1,23 +1,16 @@
 #include "server/private_address.h"
 
-#include <arpa/inet.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <string_view>
 
 #include "lattice/refused.h"
+#include "platform/platform.h"
 #include "server/fields.h"
 
 namespace lappet {
 namespace {
 
-bool is_loopback_host(const std::string& host) {
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
-  return host == "[::1]";
-}
+bool is_loopback_host(const std::string& host) { return is_loopback_number(host) || host == "[::1]"; }
 
 bool is_port(std::string_view port) {
   if (port == "*") return true;
@@ -33,19 +26,12 @@ std::string folder_of(const std::string& address) {
   return address.substr(kScheme.size(), slash - kScheme.size());
 }
 
-bool is_users_alone(const std::string& folder) {
-  struct stat found{};
-  return !folder.empty() && ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) &&
-         found.st_uid == ::geteuid() && (found.st_mode & (S_IRWXG | S_IRWXO)) == 0;
-}
-
 }  // namespace
 
 void remove_socket(const std::string& address) {
   const std::string folder = folder_of(address);
   if (folder.empty()) return;
-  ::unlink((folder + address.substr(address.rfind('/'))).c_str());
-  ::rmdir(folder.c_str());
+  remove_socket_at(folder + address.substr(address.rfind('/')), folder);
 }
 
 void require_private(const std::string& address) {

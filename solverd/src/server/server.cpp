@@ -1,12 +1,9 @@
 #include "server/server.h"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <csignal>
 #include <thread>
 #include <utility>
 
@@ -17,6 +14,8 @@
 
 namespace lappet {
 namespace {
+
+using PollDescriptor = decltype(zmq::pollitem_t::fd);
 
 constexpr std::chrono::milliseconds kTick{250};
 constexpr int kMessagesPerTurn = 64;  // then replies get their turn
@@ -43,6 +42,8 @@ bool same_secret(std::string_view a, std::string_view b) {
 Server::Server(ServerOptions options, SolverFactory factory)
     : options_(std::move(options)),
       factory_(std::move(factory)),
+      parent_(options_.parent),
+      input_(options_.input),
       router_(context_, zmq::socket_type::router),
       replies_(context_, zmq::socket_type::pull),
       replies_endpoint_("inproc://replies"),
@@ -75,7 +76,8 @@ Server::~Server() = default;
 
 std::string Server::run() {
   std::vector<zmq::pollitem_t> items = {{router_.handle(), 0, ZMQ_POLLIN, 0}, {replies_.handle(), 0, ZMQ_POLLIN, 0}};
-  if (options_.input >= 0) items.push_back({nullptr, options_.input, ZMQ_POLLIN | ZMQ_POLLERR, 0});
+  const bool polls_input = input_.pollable() >= 0;
+  if (polls_input) items.push_back({nullptr, PollDescriptor(input_.pollable()), ZMQ_POLLIN | ZMQ_POLLERR, 0});
   heard_ = Clock::now();
   while (end_reason_.empty()) {
     try {
@@ -90,7 +92,7 @@ std::string Server::run() {
       if (!message) break;
       handle(std::move(*message));
     }
-    if (items.size() > 2 && items[2].revents != 0) read_input();
+    if ((!polls_input || items[2].revents != 0) && input_.ended()) end_reason_ = "its standard input closed";
     drop_idle_clients();
   }
   return end_reason_;
@@ -240,12 +242,6 @@ void Server::forward_replies() {
   }
 }
 
-void Server::read_input() {
-  std::array<char, 256> ignored{};
-  const ssize_t count = ::read(options_.input, ignored.data(), ignored.size());
-  if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) end_reason_ = "its standard input closed";
-}
-
 void Server::drop_idle_clients() {
   std::erase_if(retired_, [](const auto& worker) { return worker->finished(); });
   const auto now = Clock::now();
@@ -261,7 +257,7 @@ void Server::drop_idle_clients() {
   if (!end_reason_.empty()) return;
   if (now - heard_ > options_.silence) {
     end_reason_ = "it heard nothing for " + std::to_string(options_.silence.count() / 1000) + " s";
-  } else if (options_.parent != 0 && ::kill(options_.parent, 0) != 0 && errno == ESRCH) {
+  } else if (parent_.ended()) {
     end_reason_ = "its parent process " + std::to_string(options_.parent) + " ended";
   }
 }

@@ -10,6 +10,7 @@
 #include <vector>
 #include <zmq.hpp>
 
+#include "platform/platform.h"
 #include "server/decode.h"
 #include "server/message.h"
 #include "server/solver_port.h"
@@ -63,13 +64,14 @@ class Server {
   void greet(const std::string& identity, const Hello& hello);
   void send(const std::string& identity, const std::vector<PartBytes>& parts);
   void forward_replies();
-  void read_input();
   void drop_idle_clients();
   bool make_room();
   void retire(Client client);
 
   const ServerOptions options_;
   const SolverFactory factory_;
+  const ProcessWatch parent_;
+  InputWatch input_;
   zmq::context_t context_{1};
   zmq::socket_t router_;
   zmq::socket_t replies_;

@@ -7,13 +7,13 @@
 #include <optional>
 
 #include "lattice/refused.h"
+#include "platform/platform.h"
 #include "session/bones.h"
 #include "session/checks.h"
 #include "session/find_frame.h"
 #include "session/frame_fields.h"
 #include "session/ground_of_session.h"
 #include "session/last_frame.h"
-#include "session/process_memory.h"
 
 namespace lappet {
 

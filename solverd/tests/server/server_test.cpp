@@ -2,7 +2,12 @@
 #include "server/server.h"
 
 #include <gtest/gtest.h>
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#else
 #include <unistd.h>
+#endif
 
 #include <algorithm>
 #include <array>
@@ -44,6 +49,14 @@ class IdlePort final : public SolverPort {
     return output;
   }
 };
+
+bool make_pipe(std::array<int, 2>& ends) {
+#ifdef _WIN32
+  return ::_pipe(ends.data(), 256, _O_BINARY | _O_NOINHERIT) == 0;
+#else
+  return ::pipe(ends.data()) == 0;
+#endif
+}
 
 class ServerTest : public testing::Test {
  protected:
@@ -382,7 +395,7 @@ TEST_F(ServerTest, ItEndsWhenItHearsNothing) {
 
 TEST_F(ServerTest, ItEndsWhenItsInputCloses) {
   std::array<int, 2> pipe_ends{};
-  ASSERT_EQ(::pipe(pipe_ends.data()), 0);
+  ASSERT_TRUE(make_pipe(pipe_ends));
   ServerOptions options;
   options.input = pipe_ends[0];
   serve(options);

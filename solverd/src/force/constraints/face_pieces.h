@@ -51,10 +51,11 @@ void for_each_piece(const std::array<Vec3, 3>& triangle, double edge, const Put&
     const Vec3 below = foot - triangle[tip], above = apex - triangle[tip];
     const int strips = std::max(1, int(std::ceil(below.norm() / width)));
     for (int k = 0; k < strips; ++k) {
-      const double near = double(k) / strips, far = double(k + 1) / strips;
+      const double share = double(k) / strips, next_share = double(k + 1) / strips;
       const bool first = k == 0, last = k + 1 == strips;
-      const Vec3 low = triangle[tip] + near * below, next_low = triangle[tip] + far * below;
-      const Vec3 high = triangle[tip] + near * above, next_high = last ? apex : Vec3(triangle[tip] + far * above);
+      const Vec3 low = triangle[tip] + share * below, next_low = triangle[tip] + next_share * below;
+      const Vec3 high = triangle[tip] + share * above,
+                 next_high = last ? apex : Vec3(triangle[tip] + next_share * above);
       put_with_n({{low, next_low, next_high}, {first ? int(tip) : -1, last ? foot_corner : -1, last ? int(top) : -1}});
       if (!first) put_with_n({{low, next_high, high}, {-1, last ? int(top) : -1, -1}});
     }

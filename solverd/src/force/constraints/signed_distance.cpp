@@ -237,9 +237,9 @@ struct Source {
   // kFar or kDeep where the value of a block is cut off throughout, else 0.
   Index kind_of(std::size_t place) const {
     const Node center = middle(corner(place));
-    const double far = distance.at(position(center));
-    const bool deep = far > radius() && is_inside(center);
-    return far > radius() + (deep ? depth : reach) ? (deep ? kDeep : kFar) : 0;
+    const double away = distance.at(position(center));
+    const bool deep = away > radius() && is_inside(center);
+    return away > radius() + (deep ? depth : reach) ? (deep ? kDeep : kFar) : 0;
   }
   void fill(std::size_t place, float* out) const {
     const Node c = corner(place);

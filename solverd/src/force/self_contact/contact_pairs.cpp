@@ -208,13 +208,13 @@ std::vector<TouchingPair> touching_pairs(const ContactSurface& surface, const Co
   for_each_chunk(
       faces.size(),
       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        NearVertex near(surface, places, stiffness);
+        NearVertex close(surface, places, stiffness);
         // The faces of a vertex belong to the chunk in which they begin.
         while (begin < end && begin > 0 && faces[begin].vertex == faces[begin - 1].vertex) ++begin;
         while (begin < end) {
           std::size_t next = begin + 1;
           while (next < faces.size() && faces[next].vertex == faces[begin].vertex) ++next;
-          near.add(std::span(faces).subspan(begin, next - begin), found[chunk]);
+          close.add(std::span(faces).subspan(begin, next - begin), found[chunk]);
           begin = next;
         }
       },

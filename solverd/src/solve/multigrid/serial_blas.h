@@ -1,11 +1,9 @@
 // CHOLMOD and its BLAS compute in the thread that calls them. Many sessions factor at a time, each in threads of its
 // own, and one factorization is too small to be shared out.
 #pragma once
-#if __has_include(<dlfcn.h>)
-#include <dlfcn.h>
-#endif
-
 #include <utility>
+
+#include "platform/platform.h"
 
 namespace lappet {
 
@@ -15,14 +13,12 @@ namespace lappet {
 // its build without threads is no remedy, as it has no locks either and gives wrong numbers to several callers
 // (cmake/CheckBlas.cmake refuses it). Both are looked up, as it is CHOLMOD that may or may not bring them along.
 inline void keep_blas_serial() {
-#if __has_include(<dlfcn.h>)
   static const bool done = [] {
     for (const auto& [name, count] : {std::pair{"omp_set_max_active_levels", 0}, {"openblas_set_num_threads", 1}})
-      if (const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, name))) set(count);
+      if (const auto set = reinterpret_cast<void (*)(int)>(loaded_function(name))) set(count);
     return true;
   }();
   static_cast<void>(done);
-#endif
 }
 
 }  // namespace lappet

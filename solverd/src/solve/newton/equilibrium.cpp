@@ -244,16 +244,16 @@ class EquilibriumSearch {
     } else if (options_.accuracy == Accuracy::kFrame && !(now_.residual > kNoForce * now_.force_scale)) {
       if (options_.keeps_step) outcome_.step.assign(u_.size(), 0.0f);
     } else if (options_.accuracy == Accuracy::kFrame) {
-      bool near = last_step_ <= kAtEnd && good_ && !bent_;
+      bool is_near = last_step_ <= kAtEnd && good_ && !bent_;
       outcome_.to_come = last_step_ * unit_;
-      if (!near || options_.keeps_step) {
+      if (!is_near || options_.keeps_step) {
         if (!solve_tangent(false, true) || observer_.stop()) return false;
-        near = near || clearly_near_ || to_come_ <= nearness();
+        is_near = is_near || clearly_near_ || to_come_ <= nearness();
         outcome_.to_come = to_come_ * unit_;
         spdlog::debug("  to come {:.3g} mm ({:.3g} of the limit), {} pcg to {:.1e}; the last step was {:.3g}",
                       outcome_.to_come, to_come_, linear_.iterations, linear_.reduction, last_step_);
       }
-      if (!near) return false;
+      if (!is_near) return false;
       if (options_.keeps_step) outcome_.step.assign(step_.begin(), step_.end());
     }
     if (!options_.inverts && now_.inverted > 0)
