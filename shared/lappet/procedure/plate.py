@@ -85,6 +85,8 @@ class PlatePanel:
         What stands below it; "": the catalogue's text.
     view
         Where the camera is; "": as on the plate.
+    look_from, look_up
+        The direction from the tissue to a camera of its own, and which way is up in the picture; None: as `view` says.
     at
         A point on the skin at rest in mm about which it is cropped; None: all of the operation is shown.
     across
@@ -104,10 +106,13 @@ class PlatePanel:
     across: float = 0.0
     inset_of: str = ""
     ghost: PanelStep = ""
+    look_from: Point | None = None
+    look_up: Point | None = None
 
     def __post_init__(self) -> None:
-        at = None if self.at is None else double_point(self.at)
-        set_fields(self, time=float(self.time) + 0.0, at=at, across=float(self.across) + 0.0)
+        own = {"at": self.at, "look_from": self.look_from, "look_up": self.look_up}
+        points = {name: None if each is None else double_point(each) for name, each in own.items()}
+        set_fields(self, time=float(self.time) + 0.0, across=float(self.across) + 0.0, **points)
 
 
 @dataclass(frozen=True)

@@ -93,6 +93,9 @@ def _write_panel(stage: Any, usd: Any, path: str, panel: PlatePanel) -> None:
     if panel.at is not None:
         values.author("at", types.Point3d, usd.Gf.Vec3d(*panel.at))
         values.double("across", panel.across)
+    if panel.look_from is not None and panel.look_up is not None:
+        values.author("lookFrom", types.Vector3d, usd.Gf.Vec3d(*panel.look_from))
+        values.author("lookUp", types.Vector3d, usd.Gf.Vec3d(*panel.look_up))
 
 
 def _write_annotation(stage: Any, usd: Any, path: str, note: PlateAnnotation) -> None:
@@ -209,6 +212,8 @@ def _panel(reader: Reader, prim: Any) -> PlatePanel:
         reader.number(prim, "lappet:across", 0.0),
         reader.text(prim, "lappet:insetOf", ""),
         cast(PanelStep, _one_of(reader, prim, "ghost", PANEL_STEPS, "")),
+        _way(reader, prim, "lookFrom"),
+        _way(reader, prim, "lookUp"),
     )
 
 
