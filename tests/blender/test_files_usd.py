@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import subprocess
@@ -315,7 +316,21 @@ def test_plates_go_through_a_scene_unchanged(scene: bpy.types.Scene, tmp_path: P
     ops.import_procedure(filepath=str(tmp_path / "plates.usda"))
     ops.export_procedure(filepath=str(tmp_path / "again.usda"))
     assert read_procedure(tmp_path / "again.usda").plates == plates
+
+
+def test_plates_of_an_earlier_version_are_read_and_damaged_ones_are_dropped(scene: bpy.types.Scene) -> None:
+    from lappet.core.value_codec import pack
+    from lappet.procedure import Plate, PlatePanel
+    from lappet_blender.model.migrate import migrate
+    from lappet_blender.model.plate_values import KeptPlates, plate_values
+
+    plates = (Plate("mine", "wash", panels=(PlatePanel("after", "result"),)),)
+    scene.lappet.version = 1
+    scene.lappet.plates = base64.b64encode(pack(KeptPlates(plates))).decode("ascii")
+    assert migrate(scene)
+    assert plate_values(scene) == plates
+    scene.lappet.pages.clear()
+    scene.lappet.version = 1
     scene.lappet.plates = "damaged"
-    damaged = read_scene(bpy.context.scene).procedure
-    assert damaged is not None
-    assert damaged.plates == ()
+    assert migrate(scene)
+    assert plate_values(scene) == ()

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import bpy
 
+from .plate_values import plates_from_version_1
 from .procedure_properties import VERSION
 
 # What to do to a scene of the version that is the key, to make it one of the next. Version 1 is the first: files before
 # it hold the same properties without the mark.
-STEPS: dict[int, Callable[[bpy.types.Scene], None]] = {}
+STEPS: dict[int, Callable[[bpy.types.Scene], None]] = {1: plates_from_version_1}
 
 
 def migrate(scene: bpy.types.Scene) -> bool:

@@ -18,9 +18,10 @@ from lappet.program.settings import SolverSettings
 from .changes import property_changed
 from .event_kinds import BASES
 from .event_properties import LappetEvent, LappetPoint
+from .plate_properties import LappetPlate
 from .tracked_properties import choice, flag, number, pointer, text
 
-VERSION = 1  # of these properties; `migrate.py` brings older files up to it
+VERSION = 2  # of these properties; `migrate.py` brings older files up to it
 
 # What the menu says of a model; one that is not here shows its name.
 MODEL_TEXTS = {
@@ -323,7 +324,10 @@ class LappetProcedure(bpy.types.PropertyGroup):
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
     flaps: CollectionProperty(type=LappetFlap)
-    plates: StringProperty(options={"HIDDEN"})  # pages for print (plate_values.py)
+    pages: CollectionProperty(type=LappetPlate)
+    active_page: IntProperty(name="Plate")
+    show_page: BoolProperty(name="Preview", description="Show the chosen panel's annotations in viewports", default=True)
+    plates: StringProperty(options={"HIDDEN"})  # those of version 1 (plate_values.py)
     kept: StringProperty(options={"HIDDEN"})  # what there are no tools for (kept_values.py)
     solving: PointerProperty(type=LappetSolving)
     look: PointerProperty(type=LappetLook)

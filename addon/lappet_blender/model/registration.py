@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import event_properties, procedure_properties
+from . import event_properties, plate_properties, procedure_properties
 
-CLASSES = (*event_properties.CLASSES, *procedure_properties.CLASSES)
+CLASSES = (*event_properties.CLASSES, *plate_properties.CLASSES, *procedure_properties.CLASSES)
 
 
 def register() -> None:

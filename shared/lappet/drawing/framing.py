@@ -237,7 +237,31 @@ def viewpoint(field: SurgicalField, view: str, tangents: tuple[float, float], tu
     ground = (1.0 if overhang else -1.0) * np.cos(turn) * field.up + np.sin(turn) * field.right
     back = np.sin(elevation) * field.normal + np.cos(elevation) * ground
     flat_up = field.up if view == "top" or overhang else field.normal
-    up = flat_up - (flat_up @ back) * back
+    return viewpoint_along(field, back, flat_up, tangents)
+
+
+def viewpoint_along(
+    field: SurgicalField, back: NDArray[np.float64], upward: NDArray[np.float64], tangents: tuple[float, float]
+) -> Viewpoint:
+    """Place the nearest camera in a direction that holds the whole field within its share of the picture.
+
+    Parameters
+    ----------
+    field
+        The field.
+    back
+        Unit vector from the tissue to the camera, shape (3,).
+    upward
+        What is up in the picture, shape (3,), not along `back`.
+    tangents
+        Tangents of half the horizontal and vertical field of view (`half_angles`).
+
+    Returns
+    -------
+    Viewpoint
+        The camera.
+    """
+    up = upward - (upward @ back) * back
     up /= np.linalg.norm(up)
     right = np.cross(up, back)
     local = (field.points - field.center) @ np.stack([right, up, back]).T

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lappet.drawing.framing import Viewpoint, half_angles, viewpoint
+from lappet.drawing.framing import Viewpoint, half_angles, viewpoint, viewpoint_along
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.skin_anchors import SkinAnchors
 from lappet.procedure.plate import PlatePanel
@@ -38,6 +39,9 @@ def with_camera(scene: PlateScene, panel: PlatePanel, time: float, size: tuple[f
     view, zoom = scene.view, scene.zoom
     if panel.view:
         view = viewpoint(scene.field, panel.view, half_angles(size))
+    own = own_direction(panel)
+    if own is not None:
+        view = viewpoint_along(scene.field, *own, half_angles(size))
     if panel.at is not None:
         places, _ = SkinAnchors(scene.source).at(np.array([panel.at]), time, last_place=True)
         view = Viewpoint(places[0] + view.distance * view.axes[2], view.axes, view.distance)
@@ -48,3 +52,27 @@ def with_camera(scene: PlateScene, panel: PlatePanel, time: float, size: tuple[f
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(scene.field.normal, right), scene.field.normal])
     return replace(scene, view=view, zoom=zoom, axes=axes)
+
+
+def own_direction(panel: PlatePanel) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Tell from where a panel with a camera of its own is seen.
+
+    Parameters
+    ----------
+    panel
+        The panel.
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.float64]] or None
+        Unit vectors from the tissue to the camera and up in the picture, shape (3,) each; None where it has none, or
+        where the two are no directions or lie along each other.
+    """
+    if panel.look_from is None or panel.look_up is None:
+        return None
+    back, up = np.array(panel.look_from), np.array(panel.look_up)
+    lengths = np.linalg.norm(back), np.linalg.norm(up)
+    if not all(np.isfinite(each) and each > 1e-9 for each in lengths):
+        return None
+    back, up = back / lengths[0], up / lengths[1]
+    return None if np.linalg.norm(np.cross(back, up)) < 1e-6 else (back, up)

@@ -95,6 +95,8 @@ class PlatePanel:
         Name of the panel in whose corner it stands, "" for a place of its own.
     ghost
         The step whose outlines are drawn through, "" for none.
+    look_from, look_up
+        The direction from the tissue to a camera of its own, and which way is up in the picture; None: as `view` says.
     section_at, section_normal
         The plane in which the panel is cut, whatever the plate's is: a point at rest in mm and a normal; None: as the
         plate says.
@@ -109,11 +111,14 @@ class PlatePanel:
     across: float = 0.0
     inset_of: str = ""
     ghost: PanelStep = ""
+    look_from: Point | None = None
+    look_up: Point | None = None
     section_at: Point | None = None
     section_normal: Point | None = None
 
     def __post_init__(self) -> None:
-        points = {name: getattr(self, name) for name in ("at", "section_at", "section_normal")}
+        names = ("at", "look_from", "look_up", "section_at", "section_normal")
+        points = {name: getattr(self, name) for name in names}
         doubles = {name: None if each is None else double_point(each) for name, each in points.items()}
         set_fields(self, time=float(self.time) + 0.0, across=float(self.across) + 0.0, **doubles)
 

@@ -102,6 +102,9 @@ def _write_panel(stage: Any, usd: Any, path: str, panel: PlatePanel) -> None:
     if panel.at is not None:
         values.author("at", types.Point3d, usd.Gf.Vec3d(*panel.at))
         values.double("across", panel.across)
+    if panel.look_from is not None and panel.look_up is not None:
+        values.author("lookFrom", types.Vector3d, usd.Gf.Vec3d(*panel.look_from))
+        values.author("lookUp", types.Vector3d, usd.Gf.Vec3d(*panel.look_up))
     _write_section(values, usd, panel)
 
 
@@ -230,6 +233,8 @@ def _panel(reader: Reader, prim: Any) -> PlatePanel:
         reader.number(prim, "lappet:across", 0.0),
         reader.text(prim, "lappet:insetOf", ""),
         cast(PanelStep, _one_of(reader, prim, "ghost", PANEL_STEPS, "")),
+        _way(reader, prim, "lookFrom"),
+        _way(reader, prim, "lookUp"),
         _place(reader, prim, "sectionAt"),
         _way(reader, prim, "sectionNormal"),
     )
