@@ -311,7 +311,19 @@ def test_plates_go_through_a_scene_unchanged(scene: bpy.types.Scene, tmp_path: P
     from lappet.usd.stage import read_procedure, write_procedure
 
     notes = (PlateAnnotation("tip", "label", ((1.0, 2.0, TOP),), "Spitze", offset=(3.0, -2.0)),)
-    plates = (Plate("mine", "ink", panels=(PlatePanel("before", "plan", caption="Défaut"),), annotations=notes),)
+    plates = (
+        Plate(
+            "mine",
+            "ink",
+            panels=(PlatePanel("before", "plan", caption="Défaut"),),
+            annotations=notes,
+            text=9.0,
+            marks="dots",
+            marks_spacing=4.0,
+            skin_lines=True,
+            journal="plos",
+        ),
+    )
     write_procedure(Procedure(flat_patch((12.0, 8.0, TOP), 2.0), plates=plates), tmp_path / "plates.usda")
     ops.import_procedure(filepath=str(tmp_path / "plates.usda"))
     ops.export_procedure(filepath=str(tmp_path / "again.usda"))

@@ -46,7 +46,13 @@ def test_a_chapter_opens_as_its_plan_says(course_file: Path) -> None:
 def test_a_wrong_answer_is_explained_and_only_the_first_counts(course_file: Path) -> None:
     done = opened(
         course_file,
-        *(READY, ("check", ".option:nth-child(1) input"), ("click", ".question .primary"), ("text", ".feedback"), STANDING),
+        *(
+            READY,
+            ("check", ".option:nth-child(1) input"),
+            ("click", ".question .primary"),
+            ("text", ".feedback"),
+            STANDING,
+        ),
         *(("check", ".option:nth-child(2) input"), ("click", ".question .primary"), ("text", ".feedback"), STANDING),
     )
     assert done.results[3] == "Not right. Look again."

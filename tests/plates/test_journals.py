@@ -10,8 +10,9 @@ from PIL import Image
 
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.draw_plate import PlateOptions, draw_plate
-from lappet.plates.journals import JOURNALS, journal_of
+from lappet.plates.journals import journal_of
 from lappet.plates.plate_style import POINT
+from lappet.procedure.plate import JOURNALS
 from refusals import refuses
 
 WIDEST = {"springer": 174.0, "elsevier": 190.0, "plos": 190.5}

@@ -19,7 +19,7 @@ from bpy.props import (
 )
 
 from lappet.drawing.skin_source import SCALARS
-from lappet.procedure.plate import ANNOTATION_ANCHORS, PLATE_STYLES, PLATE_VIEWS, Plate
+from lappet.procedure.plate import ANNOTATION_ANCHORS, JOURNALS, PLATE_MARKS, PLATE_STYLES, PLATE_VIEWS, Plate
 
 from .event_properties import LappetPoint
 from .plate_names import is_shown, rename, set_shown
@@ -43,6 +43,8 @@ PANEL_VIEWS = (
 )
 STYLES = tuple((style, style.capitalize(), "") for style in PLATE_STYLES)
 QUANTITIES = (("NONE", "None", "Nothing is mapped"), *((name, name.capitalize(), "") for name in SCALARS))
+JOURNAL_ITEMS = (("NONE", "None", "No publisher's rules"), *((name, name.capitalize(), "") for name in JOURNALS))
+MARKS = tuple((name or "NONE", (name or "none").capitalize(), "") for name in PLATE_MARKS)
 KINDS = tuple((kind, kind.capitalize(), "") for kind in ANNOTATION_ANCHORS)
 EXCISED = (
     ("leave-out", "Leave Out", "It is left out where its tissue is gone"),
@@ -83,6 +85,9 @@ class LappetPlatePanel(bpy.types.PropertyGroup):
     across: FloatProperty(name="Across", description="Tissue across the panel, mm", default=40.0, min=2.0)
     inset_of: StringProperty(name="Inset of", description="The panel in whose corner it stands; empty: its own place")
     ghost: EnumProperty(name="Ghost", description="A step whose outlines are drawn through", items=GHOSTS)
+    sectioned: BoolProperty(name="Section", description="Show a cross-section at a plane of its own")
+    section_at: FloatVectorProperty(name="At", description="A point of the plane, mm", precision=3)
+    section_normal: FloatVectorProperty(name="Normal", default=(1.0, 0.0, 0.0))
 
 
 class LappetAnnotation(bpy.types.PropertyGroup):
@@ -124,6 +129,13 @@ class LappetPlate(bpy.types.PropertyGroup):
     measures: BoolProperty(name="Measures", description="Lengths and angles of the plan", default=True)
     instruments: BoolProperty(name="Instruments", description="Hooks", default=True)
     landmarks: CollectionProperty(type=LappetPlateName)
+    text: FloatProperty(name="Text", description="Points; 0: 7, or the journal's least", min=0.0, max=24.0, precision=1)
+    journal: EnumProperty(name="Publisher", description="Whose rules the plate keeps", items=JOURNAL_ITEMS)
+    marks: EnumProperty(name="Marks", description="What is printed on the skin", items=MARKS)
+    marks_spacing: FloatProperty(
+        name="Apart", description="Distance of the marks at rest, mm", default=Plate.marks_spacing, min=1.0, max=50.0
+    )
+    skin_lines: BoolProperty(name="Skin Lines", description="The skin lines of the procedure")
     panels: CollectionProperty(type=LappetPlatePanel)
     active_panel: IntProperty(name="Panel")
     annotations: CollectionProperty(type=LappetAnnotation)

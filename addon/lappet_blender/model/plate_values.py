@@ -12,10 +12,11 @@ import bpy
 from lappet.core.array_codec import CodecError
 from lappet.core.value_codec import unpack
 from lappet.procedure import Plate, PlateAnnotation, PlatePanel
+from lappet.procedure.plate import JOURNALS
 
 from .decimals import decimal, decimals
 
-_FLAGS = ("labels", "letters", "arrows", "measures", "instruments")
+_FLAGS = ("labels", "letters", "arrows", "measures", "instruments", "skin_lines")
 _MOST_TONE, _MOST_COLUMNS = 10, 12
 
 
@@ -64,10 +65,19 @@ def plate_value(each: Any) -> Plate:
         "" if each.quantity == "NONE" else str(each.quantity),
         _point(each.section_at) if each.sectioned else None,
         _point(each.section_normal) if each.sectioned else None,
-        **{name: bool(getattr(each, name)) for name in _FLAGS},
+        labels=bool(each.labels),
+        letters=bool(each.letters),
+        arrows=bool(each.arrows),
+        measures=bool(each.measures),
+        instruments=bool(each.instruments),
         landmarks=tuple(str(label.name) for label in each.landmarks),
         panels=tuple(map(panel_value, each.panels)),
         annotations=tuple(annotation_value(note) for note in each.annotations if note.enabled and len(note.anchors)),
+        text=decimal(each.text),
+        journal="" if each.journal == "NONE" else str(each.journal),
+        marks="" if each.marks == "NONE" else each.marks,
+        marks_spacing=decimal(each.marks_spacing),
+        skin_lines=bool(each.skin_lines),
     )
 
 
@@ -86,6 +96,8 @@ def panel_value(each: Any) -> PlatePanel:
         "" if each.ghost == "NONE" else each.ghost,
         _point(each.look_from) if own else None,
         _point(each.look_up) if own else None,
+        _point(each.section_at) if each.sectioned else None,
+        _point(each.section_normal) if each.sectioned else None,
     )
 
 
@@ -114,6 +126,8 @@ def set_plate(each: Any, plate: Plate) -> None:
         each.sectioned, each.section_at, each.section_normal = True, plate.section_at, plate.section_normal
     for name in _FLAGS:
         setattr(each, name, getattr(plate, name))
+    each.text, each.marks_spacing, each.marks = plate.text, plate.marks_spacing, plate.marks or "NONE"
+    each.journal = plate.journal if plate.journal in JOURNALS else "NONE"
     for label in plate.landmarks:
         each.landmarks.add().name = label
     for panel in plate.panels:
@@ -131,6 +145,8 @@ def set_panel(each: Any, panel: PlatePanel) -> None:
         each.view, each.look_from, each.look_up = "OWN", panel.look_from, panel.look_up
     if panel.at is not None:
         each.cropped, each.at, each.across = True, panel.at, panel.across
+    if panel.section_at is not None and panel.section_normal is not None:
+        each.sectioned, each.section_at, each.section_normal = True, panel.section_at, panel.section_normal
 
 
 def set_annotation(each: Any, note: PlateAnnotation) -> None:

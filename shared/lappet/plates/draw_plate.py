@@ -66,7 +66,7 @@ class PlateOptions:
     text
         Size of labels in points; None for the least that the journal prints, or 7.
     journal
-        One of `lappet.plates.journals.JOURNALS`, whose rules the plate keeps, or "".
+        One of `lappet.procedure.plate.JOURNALS`, whose rules the plate keeps, or "".
     """
 
     style: str = "schematic"

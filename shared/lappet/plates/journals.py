@@ -11,8 +11,8 @@ from pathlib import Path
 from lappet.core.problem import Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.plate_style import PlateStyle, Shading
+from lappet.procedure.plate import JOURNALS
 
-JOURNALS = ("springer", "elsevier", "plos")
 _NEAR = 0.5  # mm: a printed width is not kept more exactly
 _VECTORS = (".svg", ".pdf")
 _CAPTION = 1.0  # pt: captions are so much larger than labels

@@ -18,6 +18,7 @@ AnnotationKind = Literal["label", "length", "distance", "angle", "arrow", "pivot
 WhenExcised = Literal["leave-out", "last-place"]
 
 PLATE_STYLES: tuple[PlateStyleName, ...] = get_args(PlateStyleName)
+JOURNALS = ("springer", "elsevier", "plos")
 PLATE_MARKS: tuple[PlateMarks, ...] = get_args(PlateMarks)
 PLATE_VIEWS: tuple[PlateView, ...] = get_args(PlateView)
 PANEL_STEPS: tuple[PanelStep, ...] = get_args(PanelStep)
