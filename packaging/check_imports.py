@@ -3,9 +3,9 @@
 Python: addon -> lappet -> its dependencies. `lappet` imports neither bpy nor the add-on, only `lappet/usd/stage.py`
 imports pxr, and only the add-on imports bpy. Inside each of the two a folder imports only from the folders above it in
 `FOLDERS` and `ADDON_FOLDERS`; no modules import each other in a circle, also not by a late import inside a function.
-C++: server -> session -> solve -> force -> lattice -> math -> platform, inside solve and force in the order of `LAYERS`; SIMD
-intrinsics and xsimd appear in `solverd/src/math` and in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the daemon
-includes neither Python nor USD. Prints every breach with its line and exits with 1 if there is one.
+C++: server -> session -> solve -> force -> lattice -> math -> platform, in solve and force in the order of `LAYERS`;
+SIMD intrinsics and xsimd appear in `solverd/src/math` and in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the
+daemon includes neither Python nor USD. Prints every breach with its line and exits with 1 if there is one.
 """
 
 from __future__ import annotations
