@@ -44,6 +44,7 @@ class Carried:
     file: str = ""  # its place in the wheel; "" for headers
     debian: DebianPackage | None = None
     wheel: str = ""  # of which it was taken, as "pyzmq==27.3.0", where it is not Debian's
+    how: str = "Headers that are compiled into the daemon"  # it is in the wheel, where it has no file
 
 
 def carried(folder: Path, daemon: Path, taken: Path, wheel: str) -> list[Carried]:

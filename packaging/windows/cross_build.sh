@@ -14,7 +14,7 @@ work="$PWD/build/windows"
 jobs="${LAPPET_JOBS:-$(nproc)}"
 python="${LAPPET_PYTHON:-$PWD/.venv/bin/python}"
 debian_sources=(zeromq3 onetbb suitesparse googletest)
-export LAPPET_WINDOWS_PREFIX="$work/prefix"
+prefix="$work/prefix"
 
 say() { printf 'cross_build: %s\n' "$*"; }
 refuse() {
@@ -74,19 +74,19 @@ fetch_sources() {
 # Headers that need no library, without the rest of /usr/include.
 link_headers() {
     local name
-    mkdir -p "$LAPPET_WINDOWS_PREFIX/headers"
+    mkdir -p "$prefix/headers"
     for name in boost CLI fmt msgpack msgpack.hpp spdlog xsimd zmq.hpp; do
         [ -e "/usr/include/$name" ] || refuse "/usr/include/$name is missing; run packaging/setup.sh first."
-        ln -sfn "/usr/include/$name" "$LAPPET_WINDOWS_PREFIX/headers/$name"
+        ln -sfn "/usr/include/$name" "$prefix/headers/$name"
     done
 }
 
 # ---- 2. BLAS ------------------------------------------------------------------------------------------------------
 
 fetch_openblas() {
-    local made="$LAPPET_WINDOWS_PREFIX/lib/libscipy_openblas.dll.a"
+    local made="$prefix/lib/libscipy_openblas.dll.a"
     [ -f "$made" ] && return
-    mkdir -p "$work/wheels" "$LAPPET_WINDOWS_PREFIX/lib" "$LAPPET_WINDOWS_PREFIX/bin"
+    mkdir -p "$work/wheels" "$prefix/lib" "$prefix/bin"
     if ! ls "$work/wheels/"*.whl >/dev/null 2>&1; then
         "$python" -m pip download --quiet --no-deps --only-binary=:all: --platform win_amd64 --dest "$work/wheels" \
             --require-hashes --requirement "$here/openblas.txt"
@@ -99,7 +99,7 @@ fetch_openblas() {
         printf 'scipy_%s_\n' dtrsv dgemv dtrsm dgemm dsyrk dger dscal dpotrf ztrsv zgemv ztrsm zgemm zherk zgeru zscal zpotrf
     } >"$definitions"
     x86_64-w64-mingw32-dlltool --def "$definitions" --output-lib "$made.new"
-    cp "$dll" "$LAPPET_WINDOWS_PREFIX/bin/"
+    cp "$dll" "$prefix/bin/"
     mv "$made.new" "$made"
 }
 
@@ -107,12 +107,12 @@ fetch_openblas() {
 
 # library NAME FILE SOURCE OPTION...: configures, builds and installs one, unless FILE is in the prefix.
 library() {
-    local name="$1" made="$LAPPET_WINDOWS_PREFIX/$2" source="$3"
+    local name="$1" made="$prefix/$2" source="$3"
     shift 3
     [ -f "$made" ] && return
     say "compiling $name"
     cmake -G Ninja -S "$source" -B "$work/libraries/$name" --toolchain "$here/toolchain.cmake" \
-        -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$LAPPET_WINDOWS_PREFIX" -DBUILD_SHARED_LIBS=OFF \
+        -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" -DBUILD_SHARED_LIBS=OFF \
         -DCMAKE_POLICY_DEFAULT_CMP0074=NEW "$@" >"$work/$name.log" 2>&1 &&
         cmake --build "$work/libraries/$name" --parallel "$jobs" --target install >>"$work/$name.log" 2>&1 ||
         refuse "$name does not compile; see build/windows/$name.log."
@@ -139,7 +139,7 @@ daemon() {
         -DLAPPET_BUILD_BENCHMARKS=OFF >"$work/daemon.log" || refuse "cmake failed; see build/windows/daemon.log."
     cmake --build "$build" --parallel "$jobs" --target "${targets[@]}"
     mkdir -p "$work/bin"
-    cp -u "$LAPPET_WINDOWS_PREFIX/bin/libscipy_openblas.dll" "$work/bin/"
+    cp -u "$prefix/bin/libscipy_openblas.dll" "$work/bin/"
     x86_64-w64-mingw32-strip -o "$work/bin/lappet-solverd.exe" "$build/solverd/lappet-solverd.exe"
     say "build/windows/bin/lappet-solverd.exe"
 }

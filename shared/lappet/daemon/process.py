@@ -28,7 +28,9 @@ from lappet.daemon.keys_folder import KeysFolder, Quotas, Role, User
 from lappet.daemon.running_daemon import ClientKeys
 from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders, socket_places
 
-BINARY = "lappet-solverd"
+BINARY = "lappet-solverd.exe" if os.name == "nt" else "lappet-solverd"
+# On Windows: no window of its own, and Ctrl-C in the terminal is for us. Both flags are 0 elsewhere.
+_OF_ITS_OWN = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
 _HAS_BROKER = os.name == "posix"  # a daemon with keys has one
@@ -171,6 +173,7 @@ class SolverDaemon:
                 stderr=subprocess.PIPE,
                 env=environment,
                 start_new_session=True,
+                creationflags=_OF_ITS_OWN,
             )
         except OSError as error:
             self._remove_folder()

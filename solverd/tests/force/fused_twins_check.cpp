@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <random>
 
 #include "force/kernels/cell_corners.h"
@@ -25,8 +26,7 @@ template <class T>
 class AlignedArray {
  public:
   explicit AlignedArray(std::size_t size, T value = T(0)) : size_(size) {
-    const std::size_t bytes = (size * sizeof(T) / 64 + 1) * 64;
-    data_.reset(static_cast<T*>(std::aligned_alloc(64, bytes)));
+    data_.reset(static_cast<T*>(::operator new(size * sizeof(T), kAlignment)));
     std::fill_n(data_.get(), size, value);
   }
   T* data() { return data_.get(); }
@@ -34,8 +34,9 @@ class AlignedArray {
   std::size_t size() const { return size_; }
 
  private:
+  static constexpr std::align_val_t kAlignment{64};
   struct Free {
-    void operator()(T* p) const { std::free(p); }
+    void operator()(T* p) const { ::operator delete(p, kAlignment); }
   };
   std::unique_ptr<T, Free> data_;
   std::size_t size_;

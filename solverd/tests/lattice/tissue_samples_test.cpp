@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "test_surfaces.h"
@@ -75,7 +76,8 @@ TEST(TissueSamples, ATurnedPlateHasItsVolumeAndThicknessWithin1Percent) {
   const Vec3 size(30, 24, 3);
   for (const auto& [degrees, axis] :
        {std::pair{15.0, Vec3(0, 0, 1)}, {30.0, Vec3(1, 0.3, 0)}, {45.0, Vec3(0, 1, 0)}, {35.0, Vec3(1, 1, 0.4)}}) {
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(degrees * M_PI / 180.0, axis.normalized()).toRotationMatrix();
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis.normalized()).toRotationMatrix();
     Surface plate = test::box(-0.5 * size, 0.5 * size);
     for (Vec3& point : plate.points) point = turn * point;
     for (const Vec3& shift : kShifts) {

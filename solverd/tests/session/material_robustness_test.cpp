@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "environment.h"
 #include "lattice/refused.h"
 #include "material_formulas.h"
 #include "math/instruction_set.h"
@@ -19,14 +20,9 @@ class EnvironmentVariable {
  public:
   EnvironmentVariable(const char* name, const std::string& value) : name_(name) {
     if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value.c_str(), 1);
+    set_variable(name, value.c_str());
   }
-  ~EnvironmentVariable() {
-    if (before_)
-      setenv(name_, before_->c_str(), 1);
-    else
-      unsetenv(name_);
-  }
+  ~EnvironmentVariable() { set_variable(name_, before_ ? before_->c_str() : nullptr); }
   EnvironmentVariable(const EnvironmentVariable&) = delete;
   EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
 
