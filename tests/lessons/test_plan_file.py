@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from lesson_plans import changed, problems_of
 
 from lappet.core.problem_code import ProblemCode
 from lappet.lessons.plan_file import read_plan
+from lesson_plans import changed, problems_of
 
 Code = ProblemCode
 
