@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from lappet.drawing.skin_read import SkinCache
+from lappet.export.lesson_procedure import LessonScene
+from lappet.lessons.lesson_places import LessonPlaces
 from lesson_browser import opened
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
@@ -64,8 +66,10 @@ def test_a_wrong_answer_is_explained_and_only_the_first_counts(course_file: Path
 
 def test_a_click_is_right_within_its_distance(course_file: Path, plan_folder: Path) -> None:
     source = SkinCache(plan_folder / "cache.usdc")
-    place = source.named_landmarks(source.frames[2])["right apex"]
-    near, far = ([float(place[0]) + away, float(place[1]), float(place[2])] for away in (3.0, 12.0))
+    apex = LessonPlaces(LessonScene.of(source, source.frames)).find("landmark right apex")
+    assert apex is not None
+    place = apex.points[2, 0]
+    near, far = ([float(place[0]), float(place[1]) + away, float(place[2])] for away in (3.0, 12.0))
     asking = ("until", "!document.querySelector('#asking').hidden && lappetLesson.resting()")
     results = []
     for there in (near, far):

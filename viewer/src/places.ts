@@ -9,17 +9,26 @@ export function middles(places: Places): (Vector | null)[] {
   return places.map((points) => points && ([0, 1, 2].map((axis) => mean(points.map((each) => each[axis]))) as Vector));
 }
 
-/** Distance in mm from a click to a place in a frame, along the thread of a suture; infinite where it is not there. */
-export function distance(click: THREE.Vector3, places: Places, frame: number, stage: Stage): number {
-  const points = places[frame]?.map((each) => stage.placed(each));
-  if (!points?.length) return Infinity;
-  if (points.length === 1) return points[0].distanceTo(click);
+/** The points of a place, each as a place of its own. */
+export function ends(places: Places): (Vector | null)[][] {
+  const count = Math.max(0, ...places.map((points) => points?.length ?? 0));
+  return Array.from({ length: count }, (_, k) => places.map((points) => points?.[k] ?? null));
+}
+
+/**
+ * Distance in mm from a click to a place in a frame; infinite where it is not there. Between the ends of a suture the
+ * whole thread counts, where they are so near to each other that a click between them means it.
+ */
+export function distance(click: THREE.Vector3, places: Places, frame: number, stage: Stage, within: number): number {
+  const points = places[frame]?.map((each) => stage.placed(each)) ?? [];
+  const gaps = points.map((each) => each.distanceTo(click));
   const near = new THREE.Vector3();
-  const gaps = points.slice(1).map((each, k) => {
+  points.slice(1).forEach((each, k) => {
+    if (each.distanceTo(points[k]) > 2 * within) return;
     new THREE.Line3(points[k], each).closestPointToPoint(click, true, near);
-    return near.distanceTo(click);
+    gaps.push(near.distanceTo(click));
   });
-  return Math.min(...gaps);
+  return Math.min(Infinity, ...gaps);
 }
 
 /** What candidates are called: by letter, label or number, and by where they lie seen from above. */

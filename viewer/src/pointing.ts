@@ -4,7 +4,7 @@ import { make } from "./elements";
 import type { Rider } from "./labels";
 import type { Places, Vector } from "./lesson";
 import type { LessonView } from "./lesson_view";
-import { middles } from "./places";
+import { ends } from "./places";
 import type { Words } from "./words";
 
 const STILL = 6; // pixels that a pointer may move between down and up for a click
@@ -60,12 +60,14 @@ export class Pointing {
     asked?.ended();
   }
 
-  /** Lays a mark on a place of the tissue. */
+  /** Lays a mark on a place of the tissue, on both ends of a suture. */
   mark(kind: string, text: string, places: Places): void {
-    const element = make("span", { class: `label ${kind}` }, text);
-    const rider = this.view.picture.labels.add(element, this.view.stages[0], middles(places));
-    rider.through = true;
-    this.riders.push(rider);
+    for (const end of ends(places)) {
+      const element = make("span", { class: `label ${kind}` }, text);
+      const rider = this.view.picture.labels.add(element, this.view.stages[0], end);
+      rider.through = true;
+      this.riders.push(rider);
+    }
     this.view.canvas.parentElement!.classList.add("marked");
   }
 

@@ -122,7 +122,8 @@ export class QuestionCard {
   private clicked(question: PlaceQuestion, place: THREE.Vector3): void {
     const frame = Math.floor(this.view.player.time + 1e-6);
     const stage = this.view.stages[0];
-    const gaps = question.candidates.filter((each) => each.right).map((each) => distance(place, each.places, frame, stage));
+    const rights = question.candidates.filter((each) => each.right);
+    const gaps = rights.map((each) => distance(place, each.places, frame, stage, question.within));
     const away = Math.min(...gaps);
     const right = away <= question.within;
     this.pointing.end();
