@@ -48,3 +48,20 @@ def test_what_is_no_cache_is_one_sentence_and_no_file(name: str, tmp_path: Path)
     assert result.exit_code == 1
     assert name in result.output
     assert not (tmp_path / "lesson.html").exists()
+
+
+def test_a_package_for_augmented_reality_is_written_and_its_error_said_in_mm(cache_file: Path, tmp_path: Path) -> None:
+    target = tmp_path / "skin.usdz"
+    result = export(cache_file, "-o", target, "--frames", "1,7,12", "--tolerance-mm", "0.4", "--no-instruments")
+    assert result.exit_code == 0, result.output
+    assert "note: " in result.output
+    assert " mm away from the cache at most" in result.output
+    assert [path.name for path in tmp_path.iterdir()] == ["skin.usdz"]
+
+
+def test_a_quantized_file_is_written_and_its_error_said_in_mm(cache_file: Path, tmp_path: Path) -> None:
+    target = tmp_path / "skin.glb"
+    result = export(cache_file, "-o", target, "--quantized")
+    assert result.exit_code == 0, result.output
+    assert " mm away from the cache at most" in result.output
+    assert target.exists()

@@ -15,9 +15,10 @@ from pxr import Usd
 
 import synthetic_skin_cache as synthetic
 import viewer
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
+from lappet.export import glb_file
 from lappet.export.export_request import ExportRequest
 from lappet.export.formats import export
 from lappet.geometry.closest_point import ClosestPoint
@@ -36,12 +37,55 @@ def glb(cache: SkinCache) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def quantized(cache: SkinCache, glb: Path) -> Path:
+    target = glb.with_name("quantized.glb")
+    (path,) = export(ExportRequest((cache.path,), target, {"quantized": True}))
+    return path
+
+
+@pytest.fixture(params=["glb", "quantized"])
+def either(request: pytest.FixtureRequest) -> Path:
+    """The file, and the quantized one."""
+    path: Path = request.getfixturevalue(request.param)
+    return path
+
+
 def document_of(path: Path) -> dict[str, Any]:
     data = path.read_bytes()
     length, kind = struct.unpack_from("<I4s", data, 12)
     assert (data[:4], kind) == (b"glTF", b"JSON")
     found: dict[str, Any] = json.loads(data[20 : 20 + length])
     return found
+
+
+def test_a_quantized_file_is_smaller_and_says_how_far_its_vertices_are(cache: SkinCache, glb: Path) -> None:
+    told: list[Problem] = []
+    target = glb.with_name("told.glb")
+    export(ExportRequest((cache.path,), target, {"quantized": True}, note=told.append))
+    assert target.stat().st_size < 0.8 * glb.stat().st_size
+    document = document_of(target)
+    assert document["extensionsRequired"] == ["KHR_mesh_quantization"]
+    kinds = {document["accessors"][p["attributes"]["POSITION"]]["componentType"] for p in primitives(document)}
+    assert kinds == {5122}
+    (said,) = told
+    assert said.code == ProblemCode.EXPORT_DRIFT_FOUND
+    # Half a step of 16 bits of the tissue or a hook in each direction, and what a vertex that lies still may move.
+    assert 0.0 < float(said.value) < 0.002 + 200.0 / 65535 * 3**0.5
+
+
+def test_a_quantized_skin_that_would_drift_is_refused(
+    cache: SkinCache, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(glb_file, "MOST_DRIFT", 1e-4)
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((cache.path,), tmp_path / "skin.glb", {"quantized": True}))
+    assert [each.code for each in refusal.value.problems] == [ProblemCode.EXPORT_DRIFT]
+    assert list(tmp_path.iterdir()) == []
+
+
+def primitives(document: dict[str, Any]) -> list[dict[str, Any]]:
+    return [each for mesh in document["meshes"] for each in mesh["primitives"]]
 
 
 _VALIDATE = """
@@ -53,13 +97,13 @@ console.log(JSON.stringify(report.issues));
 """
 
 
-def test_the_validator_of_khronos_finds_nothing(glb: Path) -> None:
+def test_the_validator_of_khronos_finds_nothing(either: Path) -> None:
     try:
         node, _ = viewer.node()
         viewer.install(tests=True)
     except (FileNotFoundError, subprocess.CalledProcessError) as missing:
         pytest.skip(f"NOT VALIDATED: node or the package gltf-validator is missing; run `make setup` ({missing})")
-    command = [str(node), "--input-type=module", "-e", _VALIDATE, str(viewer.VIEWER / "package.json"), str(glb)]
+    command = [str(node), "--input-type=module", "-e", _VALIDATE, str(viewer.VIEWER / "package.json"), str(either)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     assert json.loads(done.stdout)["messages"] == []
 
@@ -88,10 +132,10 @@ def test_what_a_frame_does_not_move_takes_no_space(glb: Path) -> None:
     assert any("sparse" in each for each in targets)
 
 
-def test_trimesh_reads_the_last_frame_in_metres_with_y_up(glb: Path, cache: SkinCache) -> None:
+def test_trimesh_reads_the_last_frame_in_metres_with_y_up(either: Path, cache: SkinCache) -> None:
     import trimesh
 
-    scene = trimesh.load_scene(glb)
+    scene = trimesh.load_scene(either)
     epoch = cache.epoch_at(cache.frames[-1])
     solved = cache.positions(epoch, cache.frames[-1])
     found = []
@@ -146,11 +190,11 @@ np.savez(out, materials=[each.name for each in bpy.data.materials], **seen)
 
 @pytest.mark.slow
 def test_blender_shows_the_right_epoch_at_every_frame_where_it_was_solved(
-    glb: Path, cache: SkinCache, tmp_path: Path
+    either: Path, cache: SkinCache, tmp_path: Path
 ) -> None:
     pytest.importorskip("bpy")
     times = ",".join(f"{time:g}" for time in cache.frames)
-    command = [sys.executable, "-c", _IMPORT, str(glb), str(tmp_path / "seen.npz"), f"{cache.fps:g}", times]
+    command = [sys.executable, "-c", _IMPORT, str(either), str(tmp_path / "seen.npz"), f"{cache.fps:g}", times]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-2000:]
     seen = np.load(tmp_path / "seen.npz")

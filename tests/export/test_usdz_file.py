@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -119,6 +121,47 @@ def test_an_epoch_appears_at_once_and_not_by_growing(usdz: Path, cache: SkinCach
     appears = synthetic.INCISED - cache.frames[0]
     sizes = [np.ptp(skinned(stage, "epoch_01", appears - early), axis=0).max() for early in (0.5, 0.02, 0.0)]
     assert [round(each) for each in sizes] == [0, 0, 100]
+
+
+_IMPORT = """
+import sys
+import bpy
+import numpy as np
+
+usdz, out, last = sys.argv[1], sys.argv[2], int(sys.argv[3])
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.wm.usd_import(filepath=usdz)
+seen = {}
+for time in range(last + 1):
+    bpy.context.scene.frame_set(time)
+    graph = bpy.context.evaluated_depsgraph_get()
+    for each in bpy.context.scene.objects:
+        if each.type == "MESH":
+            own = each.evaluated_get(graph)
+            mesh = own.to_mesh()
+            points = np.empty(3 * len(mesh.vertices), np.float32)
+            mesh.vertices.foreach_get("co", points)
+            matrix = np.array(own.matrix_world)
+            seen[f"{each.name} {time}"] = (points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]) * 1000.0
+            own.to_mesh_clear()
+np.savez(out, **seen)
+"""
+
+
+@pytest.mark.slow
+def test_blender_shows_every_frame_where_it_was_solved(usdz: Path, cache: SkinCache, tmp_path: Path) -> None:
+    pytest.importorskip("bpy")
+    last = round(cache.frames[-1] - cache.frames[0])
+    command = [sys.executable, "-c", _IMPORT, str(usdz), str(tmp_path / "seen.npz"), str(last)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-2000:]
+    assert "WARNING" not in done.stdout + done.stderr
+    seen = np.load(tmp_path / "seen.npz")
+    for time in cache.frames:
+        epoch, frame = cache.epoch_at(time), round(time - cache.frames[0])
+        (hidden,) = {*EPOCHS} - {epoch.name}
+        assert both_ways(seen[f"{epoch.name} {frame}"], cache.positions(epoch, time) + STANDING) < TOLERANCE
+        assert np.ptp(seen[f"{hidden} {frame}"], axis=0).max() < 0.1
 
 
 def test_weights_are_four_at_most_none_negative_and_together_one(usdz: Path) -> None:

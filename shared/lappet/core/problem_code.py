@@ -613,6 +613,8 @@ class ProblemCode(StrEnum):
     EXPORT_BONES = auto()
     EXPORT_BONES_ERROR = auto()
     EXPORT_FRAMES_MISSING = auto()
+    EXPORT_DRIFT = auto()
+    EXPORT_DRIFT_FOUND = auto()
 
     # texts/lessons.toml
     LESSON_FILE = auto()

@@ -79,7 +79,7 @@ EXPORTERS: tuple[Exporter, ...] = (
         ".glb",
         "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
         _glb,
-        options=frozenset({"frames"}),
+        options=frozenset({"frames", "quantized"}),
     ),
     Exporter(
         ".usdz",

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lappet.core.durable import write_whole
 
-FLOAT, USHORT, UINT = 5126, 5123, 5125
+BYTE, SHORT, USHORT, UINT, FLOAT = 5120, 5122, 5123, 5125, 5126
 VERTICES, INDICES = 34962, 34963
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
@@ -112,16 +112,75 @@ class GlbContainer:
         if len(used) * (12 + (2 if short else 4)) >= array.nbytes:
             return self.floats(array, VERTICES, box)
         index = self._accessor(array, FLOAT, None, box)
-        if len(used):
-            self.accessors[index]["sparse"] = {
-                "count": len(used),
-                "indices": {
-                    "bufferView": self.view(used.astype(np.uint16 if short else np.uint32).tobytes()),
-                    "componentType": USHORT if short else UINT,
-                },
-                "values": {"bufferView": self.view(np.ascontiguousarray(array[used]).tobytes())},
-            }
+        self._only(index, array, used)
         return index
+
+    def integers(self, values: NDArray[np.signedinteger[Any]], target: int, unit: bool) -> int:
+        """Add vectors of whole numbers.
+
+        Parameters
+        ----------
+        values
+            Shape (n, 3), int8 or int16.
+        target
+            As of `view`.
+        unit
+            Whether they stand for what lies between -1 and 1; the others are positions, and the file says between which
+            they lie.
+
+        Returns
+        -------
+        int
+            Index of their accessor.
+        """
+        padded = np.zeros((len(values), 4), values.dtype)  # every vector begins at a multiple of four bytes
+        padded[:, :3] = values
+        view = self.view(padded.tobytes(), target)
+        self.views[view]["byteStride"] = 4 * values.itemsize
+        return self._whole_numbers(values, view, unit)
+
+    def sparse_integers(self, values: NDArray[np.signedinteger[Any]], unit: bool) -> int:
+        """Add vectors of whole numbers of which many may be nothing.
+
+        Parameters
+        ----------
+        values
+            As of `integers`.
+        unit
+            As of `integers`.
+
+        Returns
+        -------
+        int
+            Index of their accessor.
+        """
+        used = np.flatnonzero(values.any(axis=1))
+        size = 2 if len(values) < 65535 else 4
+        if len(used) * (3 * values.itemsize + size) >= 4 * values.nbytes // 3:
+            return self.integers(values, VERTICES, unit)
+        index = self._whole_numbers(values, None, unit)
+        self._only(index, values, used)
+        return index
+
+    def _whole_numbers(self, values: NDArray[Any], view: int | None, unit: bool) -> int:
+        index = self._accessor(values, BYTE if values.itemsize == 1 else SHORT, view, not unit)
+        if unit:
+            self.accessors[index]["normalized"] = True
+        return index
+
+    def _only(self, index: int, array: NDArray[Any], used: NDArray[np.integer]) -> None:
+        """Say that an accessor has values at some vertices alone."""
+        if not len(used):
+            return
+        kind = np.uint16 if len(array) < 65535 else np.uint32
+        self.accessors[index]["sparse"] = {
+            "count": len(used),
+            "indices": {
+                "bufferView": self.view(used.astype(kind).tobytes()),
+                "componentType": USHORT if kind is np.uint16 else UINT,
+            },
+            "values": {"bufferView": self.view(np.ascontiguousarray(array[used]).tobytes())},
+        }
 
     def _accessor(self, array: NDArray[Any], kind: int, view: int | None, box: bool) -> int:
         accessor: dict[str, Any] = {

@@ -6,13 +6,15 @@ drawn), and each step of the operation is an animation besides the one of all.
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lappet.core.problem import refused
+from lappet.core.durable import replace_durably
+from lappet.core.problem import problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.drawing.skin_read import SkinCache
@@ -21,6 +23,7 @@ from lappet.drawing.surface_look import SKIN_LOOK, SurfaceLook
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import chosen_frames, exported_cache
 from lappet.export.glb_container import VERTICES, GlbContainer
+from lappet.export.glb_quantized import EXTENSION, QuantizedShape, glb_error
 from lappet.export.grid_tile import grid_tile
 from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
@@ -29,6 +32,7 @@ from lappet.output.named_steps import operation_steps
 
 STILL_MM = 0.002  # a vertex that a frame moves by less does not move
 STILL_NORMAL = 0.004
+MOST_DRIFT = 0.05  # mm: how far whole numbers may move a vertex
 WHOLE = "Operation"
 _HALF = 0.5**0.5
 
@@ -39,7 +43,7 @@ def write_glb(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the option `frames`.
+        The cache, the file and the options `frames` and `quantized`.
 
     Returns
     -------
@@ -49,7 +53,7 @@ def write_glb(request: ExportRequest) -> list[Path]:
     Raises
     ------
     RefusedError
-        If the cache cannot be read or shown, or has no such frame.
+        If the cache cannot be read or shown, has no such frame, or is too large to be quantized.
     OSError
         If the file cannot be written.
     """
@@ -64,7 +68,20 @@ def write_glb(request: ExportRequest) -> list[Path]:
         spans = named_spans(cache, frames)
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error
-    _GlbDocument(frames, cache.fps, cache.path.stem).write(shapes, spans, request.target)
+    quantized = bool(request.options.get("quantized"))
+    document = _GlbDocument(frames, cache.fps, cache.path.stem, quantized)
+    if not quantized:
+        document.write(shapes, spans, request.target)
+        return [request.target]
+    target = request.target.resolve()
+    with tempfile.TemporaryDirectory(prefix=f".{target.stem}-", dir=target.parent) as folder:
+        draft = Path(folder) / target.name
+        document.write(shapes, spans, draft)
+        drift = glb_error(draft, shapes)
+        if drift > MOST_DRIFT:
+            raise refused(ProblemCode.EXPORT_DRIFT, request.target, f"{drift:.3f}", most=MOST_DRIFT)
+        replace_durably(draft, target)
+    request.note(problem(ProblemCode.EXPORT_DRIFT_FOUND, request.target, f"{drift:.4f}"))
     return [request.target]
 
 
@@ -96,8 +113,8 @@ def named_spans(cache: SkinCache, frames: Sequence[float]) -> list[tuple[str, tu
 class _GlbDocument:
     """A file that is being made. Every mesh is, as long as no animation plays, as in its last frame."""
 
-    def __init__(self, frames: tuple[float, ...], fps: float, title: str) -> None:
-        self._frames, self._fps, self._title = frames, fps, title
+    def __init__(self, frames: tuple[float, ...], fps: float, title: str, quantized: bool) -> None:
+        self._frames, self._fps, self._title, self._quantized = frames, fps, title, quantized
         self._container = GlbContainer()
         self._materials: dict[str, int] = {}
         self._looks: list[dict[str, Any]] = []
@@ -115,7 +132,13 @@ class _GlbDocument:
         ]
         for number, shape in enumerate(shapes):
             node: dict[str, Any] = {"name": shape.name, "mesh": number}
+            if self._quantized:
+                # What switches the shape scales the node above that which says what its numbers are.
+                node = {"name": f"{shape.name} shown", "children": [self._mesh_node(number, len(shapes))]}
             nodes.append(node if self._frames[-1] in shape.frames else {**node, "scale": [0.0] * 3})
+        if self._quantized:
+            own = [QuantizedShape.of(shape).node for shape in shapes]
+            nodes += [{"name": shapes[k].name, "mesh": k, **each} for k, each in enumerate(own)]
         animations = [self._animation(name, own, shapes) for name, own in spans]
         document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": f"Lappet {version()}"},
@@ -131,28 +154,32 @@ class _GlbDocument:
         if self._images:
             document["images"], document["textures"] = self._images, [{"source": 0, "sampler": 0}]
             document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}]
+        if self._quantized:
+            document["extensionsUsed"] = document["extensionsRequired"] = [EXTENSION]
         self._container.write(document, path)
+
+    def _mesh_node(self, number: int, count: int) -> int:
+        """The node that has a shape's mesh."""
+        return 1 + number + (count if self._quantized else 0)
 
     def _mesh(self, shape: MovingShape) -> dict[str, Any]:
         put = self._container
-        base, normals = shape.positions[-1], shape.normals[-1]
-        attributes = {"POSITION": put.floats(base, VERTICES, True), "NORMAL": put.floats(normals, VERTICES)}
+        if self._quantized:
+            numbers = QuantizedShape.of(shape)
+            attributes = numbers.attributes(put, shape)
+            still = (STILL_MM, STILL_NORMAL)
+            moving = range(len(shape.frames) - 1) if self._moves(shape) else ()
+            targets = [numbers.target(put, shape, frame, still) for frame in moving]
+        else:
+            attributes, targets = self._as_floats(shape)
         printed = {**attributes, "TEXCOORD_0": put.floats(shape.grid, VERTICES)} if shape.grid is not None else None
-        targets = [
-            {
-                "POSITION": put.displacements(points - base, STILL_MM, True),
-                "NORMAL": put.displacements(shading - normals, STILL_NORMAL, False),
-            }
-            for points, shading in zip(shape.positions[:-1], shape.normals[:-1], strict=True)
-            if self._moves(shape)
-        ]
         primitives = []
         for look, triangles in shape.parts:
             if len(triangles):
                 with_grid = look is SKIN_LOOK and printed is not None
                 primitive: dict[str, Any] = {
                     "attributes": printed if with_grid else attributes,
-                    "indices": put.indices(triangles, len(base)),
+                    "indices": put.indices(triangles, shape.positions.shape[1]),
                     "material": self._material(look, with_grid),
                 }
                 primitives.append({**primitive, "targets": targets} if targets else primitive)
@@ -161,6 +188,20 @@ class _GlbDocument:
             mesh["weights"] = [0.0] * len(targets)
             mesh["extras"] = {"targetNames": [f"frame {time:g}" for time in shape.frames[:-1]]}
         return mesh
+
+    def _as_floats(self, shape: MovingShape) -> tuple[dict[str, int], list[dict[str, int]]]:
+        put = self._container
+        base, normals = shape.positions[-1], shape.normals[-1]
+        attributes = {"POSITION": put.floats(base, VERTICES, True), "NORMAL": put.floats(normals, VERTICES)}
+        targets = [
+            {
+                "POSITION": put.displacements(points - base, STILL_MM, True),
+                "NORMAL": put.displacements(shading - normals, STILL_NORMAL, False),
+            }
+            for points, shading in zip(shape.positions[:-1], shape.normals[:-1], strict=True)
+            if self._moves(shape)
+        ]
+        return attributes, targets
 
     @staticmethod
     def _moves(shape: MovingShape) -> bool:
@@ -203,7 +244,7 @@ class _GlbDocument:
             if own and len(shape.frames) > 1 and self._moves(shape):
                 rows = [shape.frames.index(time) for time in own]
                 weights = np.eye(len(shape.frames))[rows, :-1]
-                add(number, "weights", own, weights.ravel(), "LINEAR")
+                add(self._mesh_node(number - 1, len(shapes)), "weights", own, weights.ravel(), "LINEAR")
             if len(shape.frames) < len(self._frames):
                 shown = np.array([time in shape.frames for time in frames], np.float32)
                 changes = [0, *(k for k in range(1, len(frames)) if shown[k] != shown[k - 1])]

@@ -14,7 +14,7 @@ from lappet.output.png_writer import write_png
 SQUARES = 8  # of the grid, in each direction
 _SIZE = 768  # pixels
 _BLOTCH, _PORE = 4.0, 0.5  # mm: how large spots are
-_SHARE = np.array([0.035, 0.06, 0.06])  # of the color, by which they differ: redness is more even than lightness
+_SHARE = np.array([0.012, 0.022, 0.022])  # of the color, by which they differ: redness is more even than lightness
 
 
 def write_skin_tile(path: Path) -> None:
@@ -30,7 +30,7 @@ def write_skin_tile(path: Path) -> None:
     OSError
         If it cannot be written.
     """
-    noise = 0.8 * _noise(_BLOTCH, 1) + 0.5 * _noise(_PORE, 2)
+    noise = 0.6 * _noise(_BLOTCH, 1) + 0.8 * _noise(_PORE, 2)
     linear = np.array(SKIN_LOOK.color) * (1.0 + noise[..., None] * _SHARE)
     linear = grid_ink(linear, SQUARES)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear.clip(1e-9) ** (1 / 2.4) - 0.055)
