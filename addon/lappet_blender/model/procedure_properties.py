@@ -326,7 +326,9 @@ class LappetProcedure(bpy.types.PropertyGroup):
     flaps: CollectionProperty(type=LappetFlap)
     pages: CollectionProperty(type=LappetPlate)
     active_page: IntProperty(name="Plate")
-    show_page: BoolProperty(name="Preview", description="Show the chosen panel's annotations in viewports", default=True)
+    show_page: BoolProperty(
+        name="Preview", description="Show the chosen panel's annotations in viewports", default=True
+    )
     plates: StringProperty(options={"HIDDEN"})  # those of version 1 (plate_values.py)
     kept: StringProperty(options={"HIDDEN"})  # what there are no tools for (kept_values.py)
     solving: PointerProperty(type=LappetSolving)

@@ -85,8 +85,6 @@ class PlatePanel:
         What stands below it; "": the catalogue's text.
     view
         Where the camera is; "": as on the plate.
-    look_from, look_up
-        The direction from the tissue to a camera of its own, and which way is up in the picture; None: as `view` says.
     at
         A point on the skin at rest in mm about which it is cropped; None: all of the operation is shown.
     across
@@ -95,6 +93,8 @@ class PlatePanel:
         Name of the panel in whose corner it stands, "" for a place of its own.
     ghost
         The step whose outlines are drawn through, "" for none.
+    look_from, look_up
+        The direction from the tissue to a camera of its own, and which way is up in the picture; None: as `view` says.
     """
 
     name: str
