@@ -18,6 +18,7 @@ CONTENTS = (
         (
             "docs/blender_tutorial.md",
             "docs/blender_tools.md",
+            "docs/blender_plates.md",
             "docs/blender_timeline.md",
             "docs/blender_scripting.md",
             "docs/blender_troubleshooting.md",

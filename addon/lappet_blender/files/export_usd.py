@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -11,9 +11,10 @@ from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.skin_cache import write_skin_cache
-from lappet.procedure import Procedure
+from lappet.procedure import Procedure, Scenery
 from lappet.program.keys import frame_keys
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, write_procedure
 
@@ -41,6 +42,25 @@ def write_scene(scene: bpy.types.Scene, path: Path) -> None:
     write_procedure(replace(procedure_of(scene), scenery=scenery_values(scene)), path)
 
 
+@dataclass(frozen=True, eq=False)
+class CacheRequest:
+    """What a skin cache is written from: values without Blender, so that a thread may write it."""
+
+    procedure: Procedure
+    settings: SolverSettings
+    identity: str
+    store: FrameStore
+    scenery: tuple[Scenery, ...]
+
+
+def cache_request(scene: bpy.types.Scene) -> CacheRequest:
+    """Gather what the skin cache of a scene is written from; raises RefusedError where it holds no procedure."""
+    procedure = procedure_of(scene)
+    return CacheRequest(
+        procedure, solve_settings(scene), reconcile.identity(), frame_store(scene), scenery_values(scene)
+    )
+
+
 def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     """Write the solved frames of a scene as a skin cache, and its procedure beside it; return the procedure's file.
 
@@ -48,16 +68,21 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     file system refuses.
     """
     bundled_pxr()
+    return write_request(cache_request(scene), path)
+
+
+def write_request(request: CacheRequest, path: Path) -> Path:
+    """Write a skin cache as `write_cache` does; Blender's USD must be loaded already."""
+    from lappet.program.compile import compile_program
 
     if path.suffix not in SUFFIXES:
         raise refused(ProblemCode.USD_SUFFIX, path, path.suffix, name=path.name, known=", ".join(SUFFIXES))
-    procedure = procedure_of(scene)
-    program = compiled(scene, procedure)
-    keys = frame_keys(program, reconcile.identity())
-    frames = _stored(program, keys, frame_store(scene))
+    program = compile_program(request.procedure, settings=replace(request.settings, spacing=0.0))
+    keys = frame_keys(program, request.identity)
+    frames = _stored(program, keys, request.store)
     beside = path.with_suffix(".procedure.usda")
-    write_procedure(replace(procedure, scenery=scenery_values(scene)), beside)
-    write_skin_cache(path, beside, procedure, program, frames, keys[-1])
+    write_procedure(replace(request.procedure, scenery=request.scenery), beside)
+    write_skin_cache(path, beside, request.procedure, program, frames, keys[-1])
     return beside
 
 

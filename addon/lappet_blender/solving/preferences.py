@@ -1,4 +1,4 @@
-"""The preferences of the extension: which daemon solves."""
+"""The preferences of the extension: which daemon solves, and which command line draws plates."""
 
 from __future__ import annotations
 
@@ -31,6 +31,12 @@ class LappetPreferences(bpy.types.AddonPreferences):
         subtype="FILE_PATH",
     )
 
+    command: StringProperty(
+        name="Command Line",
+        description="The installed program lappet, which draws plates and films; empty for the one on the search path",
+        subtype="FILE_PATH",
+    )
+
     def draw(self, context: bpy.types.Context) -> None:
         layout = with_fields(self.layout)
         layout.prop(self, "daemon", placeholder="none: one is started here")
@@ -39,6 +45,7 @@ class LappetPreferences(bpy.types.AddonPreferences):
         column.prop(self, "server_key")
         column.prop(self, "key")
         draw_sentence(layout, context, said(), "INFO")
+        layout.prop(self, "command", placeholder="lappet")
 
 
 CLASSES = (LappetPreferences,)

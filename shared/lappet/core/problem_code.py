@@ -103,6 +103,11 @@ class ProblemCode(StrEnum):
     FRAMES_NOT_SOLVED = auto()
     CACHE_NO_FRAME = auto()
     CACHE_OTHER_CUT = auto()
+    PLATE_NONE_CHOSEN = auto()
+    LAPPET_COMMAND_NONE = auto()
+    LAPPET_COMMAND_FAILED = auto()
+    OUTPUT_BUSY = auto()
+    OUTPUT_SUFFIX = auto()
     TOOL_NOT_IN_VIEWPORT = auto()
     TOOL_GROUND_GONE = auto()
 

@@ -1,0 +1,196 @@
+"""Plates, films and exports are written by an installed command, in the background."""
+
+from __future__ import annotations
+
+import stat
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import pytest
+
+import lappet_blender
+from event_patch import co, patch_scene
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.daemon.client import DaemonMissing
+from lappet.daemon.process import find_daemon
+from lappet_blender.plates import output_jobs
+from lappet_blender.plates.command_job import CommandJob, find_command
+from refusals import refusal
+
+TOP = 2.0
+ops = bpy.ops.lappet
+DRAWS = """#!{python}
+import pathlib, sys
+cache = pathlib.Path(sys.argv[2])
+print("painting panel A", file=sys.stderr)
+said = " ".join([sys.argv[1], str(cache.is_file()), *sys.argv[3:]])
+pathlib.Path(sys.argv[sys.argv.index("-o") + 1]).write_text(said)
+"""
+STUCK = """#!{python}
+import time
+print("drawing", flush=True)
+time.sleep(600)
+"""
+FAILS = """#!{python}
+import sys
+print("error: The language 'xx' is not known.", file=sys.stderr)
+sys.exit(2)
+"""
+
+
+def program(folder: Path, text: str) -> Path:
+    """A program called lappet in a folder."""
+    folder.mkdir(exist_ok=True)
+    path = folder / "lappet"
+    path.write_text(text.format(python=sys.executable))
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return path
+
+
+def job(folder: Path, text: str, cache: object = lambda path: path.write_text("")) -> CommandJob:
+    """A job of a program of our own, started."""
+    made = CommandJob(
+        folder / "plate.svg",
+        [str(program(folder / "bin", text))],
+        cache,  # type: ignore[arg-type]
+        lambda path: ["plate", str(path), "-o", str(folder / "plate.svg"), "--plate", "mine"],
+    )
+    made.start()
+    return made
+
+
+@pytest.fixture
+def slit(scene: bpy.types.Scene) -> bpy.types.Scene:
+    """A slit patch with a plate; nothing is solved."""
+    patch_scene(scene, (24.0, 16.0, TOP), 3, resolution=2.0)
+    scene.lappet.tissue.spacing = 2.0
+    ops.incision_add(points=co([(-5.7, 0, TOP), (5.7, 0.3, TOP)]), time=2, kerf=0.1)
+    ops.plate_add(template="steps")
+    yield scene
+    output_jobs.stop()
+
+
+def test_a_job_writes_the_cache_and_runs_the_command_on_it(tmp_path: Path) -> None:
+    made = job(tmp_path, DRAWS)
+    made.join(20.0)
+    assert made.state == "done"
+    said = (tmp_path / "plate.svg").read_text()
+    assert said == f"plate True -o {tmp_path / 'plate.svg'} --plate mine"
+    assert list(made.said) == ["painting panel A"]
+
+
+def test_what_the_command_says_when_it_fails_is_the_problem(tmp_path: Path) -> None:
+    made = job(tmp_path, FAILS)
+    made.join(20.0)
+    assert made.state == "failed"
+    assert made.problem is not None
+    assert made.problem.code is ProblemCode.LAPPET_COMMAND_FAILED
+    assert "'xx'" in str(made.problem.value)
+
+
+def test_a_cache_that_cannot_be_written_is_the_problem_and_no_command_runs(tmp_path: Path) -> None:
+    def cache(_path: Path) -> None:
+        raise refused(ProblemCode.FRAMES_NOT_SOLVED, "", 2, count=3)
+
+    made = job(tmp_path, DRAWS, cache)
+    made.join(20.0)
+    assert made.problem is not None
+    assert made.problem.code is ProblemCode.FRAMES_NOT_SOLVED
+    assert not (tmp_path / "plate.svg").exists()
+
+
+def test_a_cancelled_command_ends_at_once(tmp_path: Path) -> None:
+    made = job(tmp_path, STUCK)
+    end = time.monotonic() + 20.0
+    while not made.said and time.monotonic() < end:
+        time.sleep(0.02)
+    assert made.running
+    began = time.monotonic()
+    made.cancel(10.0)
+    assert time.monotonic() - began < 5.0
+    assert (made.state, made.problem) == ("cancelled", None)
+    assert made._process is not None
+    assert made._process.poll() is not None
+
+
+def test_without_a_command_a_sentence_says_so(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(RefusedError) as caught:
+        find_command("")
+    assert caught.value.problems[0].code is ProblemCode.LAPPET_COMMAND_NONE
+    found = refusal(lambda: ops.plate_write(filepath=str(tmp_path / "plate.pdf")))
+    assert found.code is ProblemCode.LAPPET_COMMAND_NONE
+    named = program(tmp_path / "elsewhere", DRAWS)
+    assert find_command(str(named)) == [str(named)]
+
+
+def test_what_cannot_be_written_is_refused_before_anything_begins(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slit.lappet.tissue.spacing = 1.9  # as nobody has solved it
+    monkeypatch.setenv("PATH", str(program(tmp_path / "bin", DRAWS).parent))
+    for act in (ops.plate_write, ops.film_write):
+        assert refusal(lambda a=act: a(filepath=str(tmp_path / "x.doc"))).code is ProblemCode.OUTPUT_SUFFIX
+    assert refusal(lambda: ops.export_result(filepath=str(tmp_path / "x.doc"))).code is ProblemCode.EXPORT_SUFFIX
+    slit.lappet.pages.clear()
+    found = refusal(lambda: ops.plate_write(filepath=str(tmp_path / "x.pdf")))
+    assert found.code is ProblemCode.PLATE_NONE_CHOSEN
+    assert output_jobs.last_job() is None
+    unsolved = refusal(lambda: ops.film_write(filepath=str(tmp_path / "x.mp4"), wait=True))
+    assert unsolved.code is ProblemCode.FRAMES_NOT_SOLVED
+
+
+def test_solved_frames_become_what_the_operators_say(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    try:
+        find_daemon()
+    except DaemonMissing as reason:
+        pytest.skip(str(reason))
+    ops.solve(wait=True)
+    monkeypatch.setenv("PATH", str(program(tmp_path / "bin", DRAWS).parent))
+    plate, film, lesson = (tmp_path / name for name in ("a.svg", "b.mp4", "c.html"))
+    assert ops.plate_write(filepath=str(plate), style="ink", transparent=True, wait=True) == {"FINISHED"}
+    assert plate.read_text() == f"plate True -o {plate} --plate steps --dpi 300 --style ink --transparent"
+    ops.film_write(filepath=str(film), style="wash", fps=4.0, wait=True)
+    assert film.read_text() == f"film True -o {film} --style wash --size 1920x1080 --fps 4 --pause 2"
+    ops.export_result(filepath=str(lesson), wait=True)
+    assert lesson.read_text() == f"export True -o {lesson}"
+
+
+def test_the_command_line_of_this_version_draws_a_plate_that_blender_made(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    try:
+        find_daemon()
+    except DaemonMissing as reason:
+        pytest.skip(str(reason))
+    pytest.importorskip("drawsvg")
+    text = "#!{python}\nfrom lappet.commands.cli import main\nmain()\n"
+    monkeypatch.setenv("PATH", str(program(tmp_path / "bin", text).parent))
+    ops.annotation_put(kind="label", text="loose skin", points=co([(2, 3, TOP)]))
+    ops.annotation_place(annotation="loose_skin", offset=(6, -5))
+    ops.solve(wait=True)
+    assert ops.plate_write(filepath=str(tmp_path / "plate.svg"), wait=True) == {"FINISHED"}
+    drawn = (tmp_path / "plate.svg").read_text()
+    assert "loose skin" in drawn
+    assert drawn.rstrip().endswith("</svg>")
+
+
+def test_the_add_on_goes_while_a_file_is_being_written(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    made = job(tmp_path, STUCK)
+    output_jobs._jobs[:] = [made]
+    lappet_blender.unregister()
+    try:
+        made.join(10.0)
+        assert made.state == "cancelled"
+        assert not hasattr(bpy.types, "LAPPET_PT_plate")
+        assert not hasattr(bpy.types.Scene, "lappet")
+    finally:
+        lappet_blender.register()
+    assert hasattr(bpy.types, "LAPPET_PT_plate")
