@@ -19,7 +19,7 @@ _KINDS = {
     "arrow": "FORWARD",
     "pivot": "PIVOT_CURSOR",
 }
-_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments"))
+_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"))
 
 
 class LAPPET_UL_plate_panels(bpy.types.UIList):
@@ -112,8 +112,11 @@ class LAPPET_PT_plate(SidebarPanel, bpy.types.Panel):
             draw_sentence(layout, context, "Add a plate: a page for print of the operation.", "INFO")
             return
         fields = with_fields(layout.column())
-        for name in ("title", "style", "tone", "width", "columns", "language", "view", "quantity"):
+        for name in ("title", "style", "tone", "width", "columns", "text", "journal", "language", "view", "quantity"):
             fields.prop(plate, name)
+        fields.prop(plate, "marks")
+        if plate.marks != "NONE":
+            fields.prop(plate, "marks_spacing")
         fields.prop(plate, "sectioned")
         if plate.sectioned:
             fields.prop(plate, "section_at")
@@ -159,6 +162,10 @@ class LAPPET_PT_plate_panels(SidebarPanel, bpy.types.Panel):
         if panel.cropped:
             fields.prop(panel, "at")
             fields.prop(panel, "across")
+        fields.prop(panel, "sectioned")
+        if panel.sectioned:
+            fields.prop(panel, "section_at")
+            fields.prop(panel, "section_normal")
 
 
 class LAPPET_PT_plate_annotations(SidebarPanel, bpy.types.Panel):
