@@ -20,6 +20,7 @@ from urllib.parse import unquote
 
 import click
 
+import label_page
 import models_page
 import problem_page
 import robustness_page
@@ -111,6 +112,7 @@ def main(arguments: list[str]) -> int:
         models_page.PAGE: models_page.models_page(),
         problem_page.PAGE: problem_page.problem_page(),
         robustness_page.PAGE: robustness_page.robustness_page(),
+        label_page.PAGE: label_page.label_page(),
         TISSUES: tissue_page(),
         FLAPS: flap_page(atlas),
         **flaps,

@@ -42,6 +42,7 @@ CONTENTS = (
             "docs/problem*.md",
             "docs/reports.md",
             "docs/plates.md",
+            "docs/label_placement.md",
             "docs/lessons.md",
             "docs/export.md",
             "docs/performance.md",
