@@ -180,3 +180,16 @@ def test_the_camera_of_a_view_comes_back_from_the_panel(slit: bpy.types.Scene) -
     look_through(slit, data, view)
     assert data.view_rotation.rotation_difference(rotation).angle < 1e-3
     assert width_of(data) == pytest.approx(width, rel=0.01)
+
+
+def test_the_camera_of_a_plate_looks_at_the_outside_of_a_tissue_whose_faces_are_all_skin(slit: bpy.types.Scene) -> None:
+    mesh = slit.lappet.tissue.object.data
+    for name in ("lappet_fixed", "lappet_bed"):
+        mesh.attributes.remove(mesh.attributes[name])
+    plate = mine(slit)
+    bpy.context.view_layer.update()
+    surface = shown_surface(slit)
+    plate.view = "top"
+    view = panel_view(slit, plate, plate.panels[0], surface)
+    np.testing.assert_allclose(view.axes[2], [0.0, 0.0, 1.0], atol=1e-6)
+    assert 11.4 < view.across < 40.0, "the slit, and some skin around it"

@@ -99,6 +99,10 @@ def width_of(data: bpy.types.RegionView3D) -> float:
 def _field(scene: bpy.types.Scene, surface: ShownSurface) -> SurgicalField:
     """The surgical field: where the events are, or all skin where there are none."""
     points = [event_points(event) for event in scene.lappet.events if event.enabled and len(event.points)]
-    rest = np.concatenate(points) if points else np.zeros((0, 3))
-    places = surface.carry(surface.rest.locate(rest)) if len(rest) else rest
-    return field_around(places * surface.mm, surface.positions * surface.mm, surface.rest.triangles[surface.rest.skin])
+    skin = surface.rest.triangles[surface.rest.skin]
+    if not points:
+        return field_around(np.zeros((0, 3)), surface.positions * surface.mm, skin)
+    located = surface.rest.locate(np.concatenate(points))
+    outward = surface.normals(located.triangle).sum(axis=0)
+    near_side = surface.normals(surface.rest.skin) @ outward > 0.0  # of a closed mesh all may be skin, the underside too
+    return field_around(surface.carry(located) * surface.mm, surface.positions * surface.mm, skin[near_side])
