@@ -15,6 +15,7 @@ from lappet.export.moving_shape import MovingShape
 from lappet.geometry.skinning_decomposition import Skinning, skinning_decomposition
 
 _MARGIN = 0.6  # of the tolerance, at which no more bones are added
+_LAST_COUNTS = 0.3  # of the frames: how much more than one the last one counts for normals
 _THIN = 1e-6  # mm: a tube that is not wider is not drawn
 
 
@@ -52,7 +53,7 @@ class SkinnedShape:
     shape
         The shape.
     normals
-        Unit normals in the bind pose, shape (n, 3).
+        Unit normals that the bones carry from the bind pose, shape (n, 3).
     sets
         Its bones, in the order of the vertices, each of which belongs to one set.
     """
@@ -91,7 +92,7 @@ def skinned_surface(shape: MovingShape, tolerance: float, most_bones: int) -> Sk
     """
     count = shape.positions.shape[1]
     bones = _bones(shape, (0, count), range(len(shape.frames)), tolerance, most_bones)
-    return SkinnedShape(shape, shape.normals[-1], (bones,))
+    return SkinnedShape(shape, _carried_normals(shape.normals, bones.skinning), (bones,))
 
 
 def skinned_tubes(shape: MovingShape, tolerance: float, most_bones: int) -> SkinnedShape:
@@ -118,7 +119,7 @@ def skinned_tubes(shape: MovingShape, tolerance: float, most_bones: int) -> Skin
         width = np.linalg.norm(own[:, 1] - own[:, 0], axis=1)
         drawn = np.flatnonzero(width > _THIN).tolist() or [0]
         bones = _bones(shape, (begin, end), drawn, tolerance, most_bones)
-        normals[begin:end] = shape.normals[drawn[-1], begin:end]
+        normals[begin:end] = _carried_normals(shape.normals[drawn, begin:end], bones.skinning)
         sets.append(bones)
     return SkinnedShape(shape, normals, tuple(sets))
 
@@ -140,6 +141,17 @@ def _bones(
     skinning = Skinning(found.rotation, found.shift, found.bones[index], found.weights[index])
     error = float(np.linalg.norm(found.positions(joined[-1]) - joined, axis=2).max())
     return BoneSet(tuple(shape.frames[k] for k in rows), vertices, own[-1], skinning, error)
+
+
+def _carried_normals(normals: NDArray[np.float32], skinning: Skinning) -> NDArray[np.float32]:
+    """The normals of the bind pose that bones carry nearest to those of the frames, the last of which is held longest."""
+    total = np.zeros((normals.shape[1], 3))
+    for k in range(skinning.bones.shape[1]):
+        rotation = skinning.rotation[:, skinning.bones[:, k]]
+        back = np.einsum("fnij,fni->fnj", rotation, normals.astype(np.float64))
+        total += skinning.weights[:, k, None] * (back.sum(axis=0) + _LAST_COUNTS * len(back) * back[-1])
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.where(length > 1e-6, total / np.maximum(length, 1e-6), normals[-1]).astype(np.float32)
 
 
 def _pieces(shape: MovingShape) -> list[tuple[int, int]]:
