@@ -104,5 +104,6 @@ def _field(scene: bpy.types.Scene, surface: ShownSurface) -> SurgicalField:
         return field_around(np.zeros((0, 3)), surface.positions * surface.mm, skin)
     located = surface.rest.locate(np.concatenate(points))
     outward = surface.normals(located.triangle).sum(axis=0)
-    near_side = surface.normals(surface.rest.skin) @ outward > 0.0  # of a closed mesh all may be skin, the underside too
+    # Of a closed mesh all faces may be skin, those of the underside too.
+    near_side = surface.normals(surface.rest.skin) @ outward > 0.0
     return field_around(surface.carry(located) * surface.mm, surface.positions * surface.mm, skin[near_side])
