@@ -144,7 +144,7 @@ def _bones(
 
 
 def _carried_normals(normals: NDArray[np.float32], skinning: Skinning) -> NDArray[np.float32]:
-    """The normals of the bind pose that bones carry nearest to those of the frames, the last of which is held longest."""
+    """The normals of the bind pose that bones carry nearest to those of the frames; the last frame is held longest."""
     total = np.zeros((normals.shape[1], 3))
     for k in range(skinning.bones.shape[1]):
         rotation = skinning.rotation[:, skinning.bones[:, k]]
