@@ -91,5 +91,6 @@ def test_every_act_that_scripts_can_do_is_on_the_scripting_page() -> None:
     # What only a mouse does, and what panels call about a problem that they show.
     by_hand = {"ignore_click", "failure_show", "problem_show", "tissue_show_problem"}
     by_hand |= {name for name in operators() if name.startswith(("draw_", "place_", "click_", "edit_"))}
+    by_hand |= {"annotation_add", "annotation_drag"}
     missing = {name for name in operators() if f"`{name}`" not in text} - by_hand
     assert not missing

@@ -163,7 +163,7 @@ def test_the_preferences_draw_their_fields_and_what_the_daemon_said(preferences:
         def column(self, **_: Any) -> Layout:
             return Layout()
 
-    owner = SimpleNamespace(layout=Layout(), daemon="", server_key="", key="")
+    owner = SimpleNamespace(layout=Layout(), daemon="", server_key="", key="", command="")
     LappetPreferences.draw(owner, bpy.context)
     assert drawn[:3] == ["daemon", "server_key", "key"]
     assert "started on this computer" in " ".join(drawn[3:])

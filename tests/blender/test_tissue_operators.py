@@ -11,6 +11,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
 from lappet_blender.interface.problem_sentence import problem_sentence
+from lappet_blender.model.procedure_properties import VERSION
 from lappet_blender.tissue.set_tissue import set_tissue
 from refusals import refusal_code
 from tissue_scenes import add_box, add_sheet, fill_with_patch, read
@@ -30,7 +31,7 @@ def test_a_closed_mesh_becomes_tissue_with_spacing_material_and_frames_chosen(sc
     assert procedure.materials == (PRESETS["skin"].material,)
     assert procedure.tissue.material == "skin"
     assert (procedure.start_time, procedure.end_time) == (1.0, 40.0)
-    assert scene.lappet.version == 1
+    assert scene.lappet.version == VERSION
 
 
 def test_frames_that_the_user_chose_are_left_alone(scene: bpy.types.Scene) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 def rigid_fit(
     points: NDArray[np.float64], weights: NDArray[np.float64], targets: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Find in each frame the rotation R and the translation t with the least sum of |w (R p + t) - q|^2.
+    """Find in each frame the rotation R and the translation t with the least sum of squares of w (R p + t) - q.
 
     Le & Deng, Smooth Skinning Decomposition with Rigid Bones, 2012, section 4.3; Kabsch 1976 for the rotation.
 
