@@ -77,6 +77,7 @@ ADDON_FOLDERS = (
     "events",
     "display",
     "tools",
+    "strips",
     "files",
     "plates",
 )

@@ -5,6 +5,7 @@ Points are material (rest) coordinates in mm, whatever the scene's unit. Times a
 
 import bpy
 from bpy.props import (
+    BoolProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
@@ -72,6 +73,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     enabled: flag(
         name="Enabled", description="Whether the event happens; an event that is off stays in the list", default=True
     )
+    selected: BoolProperty(name="Selected", description="Its strip is selected on the strip timeline")
     start: number(name="Frame", description="The frame at which it happens or starts", default=1.0)
     end: number(name="Release", description="The frame at which the hook or retractor lets go", default=25.0)
     duration: FloatProperty(

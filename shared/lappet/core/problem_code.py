@@ -110,6 +110,8 @@ class ProblemCode(StrEnum):
     OUTPUT_SUFFIX = auto()
     TOOL_NOT_IN_VIEWPORT = auto()
     TOOL_GROUND_GONE = auto()
+    STEP_UNKNOWN = auto()
+    STEP_NO_EVENTS = auto()
 
     # texts/cutting.toml
     CUT_KERF = auto()
