@@ -34,7 +34,7 @@ LAYERS = (
     "session",
     "server",
 )
-BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bpy_extras", "bl_ui"}
+BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bpy_extras", "bl_ui", "bl_operators"}
 ADDON = "lappet_blender"
 PXR_MODULE = Path("shared/lappet/usd/stage.py")
 # The folders of `shared/lappet` in the order in which data passes through them.
@@ -80,6 +80,7 @@ ADDON_FOLDERS = (
     "strips",
     "files",
     "plates",
+    "start",
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTRINSICS = re.compile(r"^(xsimd/|[a-z0-9]*mmintrin\.h$|immintrin\.h$|x86intrin\.h$|arm_neon\.h$|arm_sve\.h$)")

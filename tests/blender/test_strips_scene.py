@@ -189,9 +189,7 @@ def stand_in(scene: bpy.types.Scene) -> Any:
     area = SimpleNamespace(type="DOPESHEET_EDITOR", header_text_set=lambda text: said.update(header=text))
     space = SimpleNamespace(type="DOPESHEET_EDITOR", mode="TIMELINE", show_markers=True)
     manager = SimpleNamespace(modal_handler_add=lambda _: True)
-    return SimpleNamespace(
-        scene=scene, area=area, space_data=space, region=Region(), window_manager=manager, said=said
-    )
+    return SimpleNamespace(scene=scene, area=area, space_data=space, region=Region(), window_manager=manager, said=said)
 
 
 class Drag:
@@ -277,6 +275,9 @@ def test_a_click_selects_and_shift_adds_and_takes_out(operation: bpy.types.Scene
     assert chosen() == ["hook_1", "suture_1"]
     Drag().invoke(context, mouse("LEFTMOUSE", "PRESS", middle_of(context, "hook_1"), shift=True))
     assert chosen() == ["suture_1"]
+    ops.strips_select(which="ALL")
+    drag(context, Drag(), 0.0, middle_of(context, "hook_1"))
+    assert chosen() == ["hook_1"]  # a click on one of several
     assert spans() == BEFORE
 
 
@@ -307,6 +308,11 @@ def test_a_press_beside_the_strips_is_blenders_own(operation: bpy.types.Scene) -
     assert Drag().invoke(context, mouse("LEFTMOUSE", "PRESS", (x, y))) == {"PASS_THROUGH"}
 
 
+def test_a_double_click_goes_to_the_frame_of_a_strip(operation: bpy.types.Scene) -> None:
+    ops.strip_jump("EXEC_DEFAULT", events="suture_1")
+    assert operation.frame_current == 21
+
+
 def test_what_is_off_selected_or_snapped_to_is_drawn_so(operation: bpy.types.Scene) -> None:
     context = stand_in(operation)
     operation.lappet.active_event = 3  # the landmark: no strip is active
@@ -314,7 +320,8 @@ def test_what_is_off_selected_or_snapped_to_is_drawn_so(operation: bpy.types.Sce
     operation.lappet.events["hook_1"].selected = True
     picture = strip_view.picture_in(operation, context.space_data, context.region)
     colors = {each[4] for each in rectangles(picture, 500.0, 136.0, 21.0, lambda frame: 10.0 * frame)}
-    assert LANE_COLORS[0] in colors and LANE_COLORS[1] in colors
+    assert LANE_COLORS[0] in colors
+    assert LANE_COLORS[1] in colors
     assert LANE_COLORS[2] not in colors  # the suture is off
     assert (1.0, 0.62, 0.15, 1.0) in colors
     assert any(each[0] == 209.0 for each in rectangles(picture, 500.0, 136.0, 21.0, lambda frame: 10.0 * frame))

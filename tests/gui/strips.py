@@ -52,6 +52,12 @@ def shifted(at: Point, by: int) -> Point:
     return at[0] + by, at[1]
 
 
+def keyframes() -> tuple[float, float]:
+    """The first and the last keyframe of the target of hook_1."""
+    first, last = bpy.context.scene.lappet.events["hook_1"].target.animation_data.action.frame_range
+    return float(first), float(last)
+
+
 def operation() -> None:
     """Cuts, two hooks and a row of sutures."""
     flap = [height(*each) for each in ((-14, -6), (-2, 8), (12, 8), (13, -4))]
@@ -70,7 +76,9 @@ def scenario(blender: Driver) -> Steps:
     editor = blender.area(EDITOR)
     with blender.override(area=EDITOR):
         bpy.ops.action.view_all()
-    yield 0.3
+        blender.expect(bpy.ops.lappet.strips_room() == {"FINISHED"}, "there is an act that makes room for strips")
+    yield 0.5
+    blender.expect(editor.height > 200, f"the Timeline is {editor.height} pixels high")
     blender.notes["editor"] = [editor.width, editor.height, editor.spaces.active.mode]
     yield from blender.screenshot("timeline")
     yield from dragging(blender)
@@ -83,7 +91,7 @@ def scenario(blender: Driver) -> Steps:
 
 def dragging(blender: Driver) -> Steps:
     """A hook goes three frames later, by hand, and back by Ctrl-Z."""
-    at = box(blender, "hook_1")
+    at, before = box(blender, "hook_1"), keyframes()
     yield from blender.move(at)
     blender.event("LEFTMOUSE", "PRESS")
     yield 0.1
@@ -93,8 +101,8 @@ def dragging(blender: Driver) -> Steps:
     yield from blender.screenshot("dragged")
     blender.event("LEFTMOUSE", "RELEASE")
     yield from blender.wait_until(lambda: span("hook_1") == (9.0, 23.0), 3.0, f"a drag moves: {span('hook_1')}")
-    keys = bpy.context.scene.lappet.events["hook_1"].target.animation_data.action.frame_range
-    blender.expect(tuple(keys) == (9.0, 13.0), f"its target's keyframes move with it: {tuple(keys)}")
+    after = keyframes()
+    blender.expect(after == (before[0] + 3.0, before[1] + 3.0), f"its target's keyframes with it: {before}, {after}")
     name = bpy.context.window_manager.operators[-1].bl_idname
     blender.expect(name == "LAPPET_OT_strips_move", f"the panel of the last operation is that of the drag: {name}")
     yield from blender.key("Z", ctrl=True)
@@ -160,9 +168,9 @@ def copies(blender: Driver) -> Steps:
     at = box(blender, "hook_2")
     yield from blender.key("D", shift=True)
     yield from blender.move(shifted(at, pixels(blender, 4)))
-    yield from blender.move(shifted(at, pixels(blender, 9)))
+    yield from blender.move(shifted(at, pixels(blender, 12)))
     yield from blender.screenshot("copied")
-    yield from blender.click(shifted(at, pixels(blender, 9)))
+    yield from blender.click(shifted(at, pixels(blender, 12)))
     yield from blender.wait_until(
         lambda: len(bpy.context.scene.lappet.events) == count + 1, 3.0, "Shift-D and a click add a copy"
     )
@@ -187,15 +195,13 @@ def tall(blender: Driver) -> Steps:
     yield from blender.move(blender.within(0.5, 0.2, area=EDITOR))
     yield from blender.screenshot("dope_sheet")
     before = span("hook_1")
+    blender.notes["dope sheet"] = [box(blender, "hook_1"), pixels(blender, -1), list(before)]
     at = box(blender, "hook_1")
     yield from blender.drag([at, shifted(at, pixels(blender, -1))])
-    yield from blender.wait_until(lambda: span("hook_1")[0] == before[0] - 1.0, 3.0, "a drag works there too")
-    yield from blender.click(box(blender, "suture_3"))
-    at = box(blender, "suture_3")
-    blender.event("LEFTMOUSE", "DOUBLE_CLICK")
-    yield 0.2
-    now = bpy.context.scene.frame_current
-    blender.expect(now == span("suture_3")[0], f"a double click goes to the strip's frame: {now}, pixel {at}")
+    yield from blender.screenshot("dope_sheet_dragged")
+    yield from blender.wait_until(
+        lambda: span("hook_1")[0] == before[0] - 1.0, 3.0, f"a drag works there too: {span('hook_1')}"
+    )
 
 
 def beside(blender: Driver) -> Steps:
@@ -204,7 +210,7 @@ def beside(blender: Driver) -> Steps:
     yield from blender.click((round(region.x + 0.5 * region.width), region.y + region.height - 8))
     yield 0.2
     playhead = bpy.context.scene.frame_current
-    blender.expect(playhead not in (0, span("suture_3")[0]), f"the ruler moves the playhead: {playhead}")
+    blender.expect(playhead != 1, f"the ruler moves the playhead: {playhead}")
     bpy.context.scene.lappet.show_strips = False
     yield from blender.screenshot("hidden")
 

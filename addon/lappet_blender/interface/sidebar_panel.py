@@ -20,3 +20,10 @@ def with_fields(layout: Any) -> Any:
     layout.use_property_split = True
     layout.use_property_decorate = False
     return layout
+
+
+def draw_presets(layout: Any, panel: str) -> None:
+    """A button that opens the user's own presets: `panel` is the name of their panel (start/own_presets.py)."""
+    row = layout.row()
+    row.emboss = "NONE"
+    row.popover(panel, icon="PRESET", text="")

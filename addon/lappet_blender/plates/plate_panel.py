@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..interface.sentence_lines import draw_sentence
-from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, draw_presets, with_fields
 from ..model.plate_names import active_annotation, active_panel, active_plate
 from .output_jobs import last_job, state_line
 
@@ -99,6 +99,10 @@ class LAPPET_PT_plate(SidebarPanel, bpy.types.Panel):
     bl_label = "Plate"
     bl_order = 50
     bl_options = CLOSED
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """The user's own presets."""
+        draw_presets(self.layout, "LAPPET_PT_plate_presets")
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, data = self.layout, context.scene.lappet

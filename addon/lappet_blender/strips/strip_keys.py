@@ -9,7 +9,7 @@ import bpy
 from .strip_view import MODES
 
 _KEYMAP, _SPACE = "Dopesheet", "DOPESHEET_EDITOR"
-# (operator, key, value, modifiers, properties); where no strip is under the mouse Blender's own meaning of a key counts.
+# (operator, key, value, modifiers, properties); where no strip is under the mouse a key means what it does to Blender.
 KEYS: tuple[tuple[str, str, str, dict[str, bool], dict[str, Any]], ...] = (
     ("lappet.strip_jump", "LEFTMOUSE", "DOUBLE_CLICK", {}, {}),
     ("lappet.strips_move", "LEFTMOUSE", "PRESS", {}, {}),
@@ -32,6 +32,7 @@ class LAPPET_MT_strips(bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.prop(context.scene.lappet, "show_strips")
+        layout.operator("lappet.strips_room", icon="FULLSCREEN_ENTER")
         layout.separator()
         layout.operator("lappet.steps_mark", icon="MARKER_HLT")
         layout.separator()

@@ -22,8 +22,8 @@ class StripView:
     """How frames and rows become pixels of a region.
 
     left: the frame at pixel 0. scale: pixels per frame. top, bottom: the pixels between which strips are drawn.
-    points: pixels of the screen per pixel of the interface at its usual size. scrolled: pixels by which rows are moved up,
-    where there are more than there is room for.
+    points: pixels of the screen per pixel of the interface at its usual size. scrolled: pixels by which
+    rows are moved up, where there are more than there is room for.
     """
 
     left: float
@@ -115,9 +115,7 @@ def strip_picture(strips: Sequence[Strip], steps: Sequence[Step], view: StripVie
         y1 = top - rows[strip.uid] * height
         x0, x1 = view.x(strip.start), _end(strip, view)
         boxes.append(StripBox(strip, x0, x1, y1 - height + gap, y1, _right(strip, view)))
-    bands = tuple(
-        StepBox(step, view.x(step.start), view.x(step.end), view.top - header, view.top) for step in steps
-    )
+    bands = tuple(StepBox(step, view.x(step.start), view.x(step.end), view.top - header, view.top) for step in steps)
     return StripPicture(tuple(boxes), bands, height, top - count * height)
 
 

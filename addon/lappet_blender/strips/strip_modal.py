@@ -83,9 +83,9 @@ class LAPPET_OT_strips_move(OperatorBase, bpy.types.Operator):
             self._show(context, event)
         elif kind in ("ESC", "RIGHTMOUSE") and value == "PRESS":
             return self._end(context, {"CANCELLED"})
-        elif kind in ("RET", "NUMPAD_ENTER") and value == "PRESS":
-            return self._end(context, None)
-        elif kind == "LEFTMOUSE" and value == ("RELEASE" if self._held else "PRESS"):
+        elif (kind in ("RET", "NUMPAD_ENTER") and value == "PRESS") or (
+            kind == "LEFTMOUSE" and value == ("RELEASE" if self._held else "PRESS")
+        ):
             return self._end(context, None)
         elif kind.startswith(("WHEEL", "MIDDLEMOUSE", "TRACKPAD")):
             return {"PASS_THROUGH"}
@@ -169,8 +169,10 @@ class LAPPET_OT_strips_move(OperatorBase, bpy.types.Operator):
             context.area.header_text_set(None)
         if result is not None:
             return result
+        if not self._moved and self._grabbed is not None:
+            select_strips(context.scene, [self._grabbed.uid])  # a click on one of several that are selected
         if not self._moved or (not self.shift and not self.copy):
-            return {"FINISHED"}  # a click: what is selected is a step of undo
+            return {"FINISHED"}  # what is selected is a step of undo
         return self.execute(context)
 
 

@@ -1,5 +1,7 @@
 """Acts on strips: select, mute, remove, go to, and markers that name the steps."""
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
@@ -138,19 +140,47 @@ class LAPPET_OT_steps_mark(OperatorBase, bpy.types.Operator):
         steps = proposed_steps(scene_strips(scene), scene.frame_start, scene.frame_end)
         if not steps:
             raise refused(ProblemCode.STEP_NO_EVENTS)
-        markers = scene.timeline_markers
-        if self.replace:
-            known = {plate_words(code)(key) for code in LANGUAGES for key in plate_words(code).texts if _is_step(key)}
-            for marker in [each for each in markers if each.name in known]:
-                markers.remove(marker)
-        say = plate_words(self.language if self.language != "AUTO" else interface_language())
-        taken = {marker.frame for marker in markers}
-        for key, frame in steps:
-            if frame not in taken:
-                markers.new(say(key), frame=frame)
-        changed(scene)
+        set_markers(scene, steps, self.language, self.replace)
         redraw_strips()
         return f"{len(steps)} steps."
+
+
+class LAPPET_OT_strips_room(OperatorBase, bpy.types.Operator):
+    """Make this Timeline tall enough for the strips: its upper edge moves up"""
+
+    bl_label = "Make Room for Strips"
+    bl_options = NO_UNDO
+
+    height: IntProperty(name="Height", description="Of the area, in pixels at a scale of 1", default=230, min=60)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.area is not None and context.area.type == "DOPESHEET_EDITOR"
+
+    def run(self, context: bpy.types.Context) -> None:
+        area = context.area
+        wanted = round(self.height * (context.preferences.system.ui_scale or 1.0))
+        delta = min(wanted, round(0.5 * context.window.height)) - area.height
+        if delta > 0:
+            edge = area.y + area.height
+            bpy.ops.screen.area_move("EXEC_DEFAULT", x=area.x + area.width // 2, y=edge, delta=delta)
+
+
+def set_markers(
+    scene: bpy.types.Scene, steps: Sequence[tuple[str, int]], language: str = "AUTO", replace: bool = True
+) -> None:
+    """Set a marker on the frame of each step that has none. replace: those named as steps are removed first."""
+    markers = scene.timeline_markers
+    if replace:
+        known = {plate_words(code)(key) for code in LANGUAGES for key in plate_words(code).texts if _is_step(key)}
+        for marker in [each for each in markers if each.name in known]:
+            markers.remove(marker)
+    say = plate_words(language if language != "AUTO" else interface_language())
+    taken = {marker.frame for marker in markers}
+    for key, frame in steps:
+        if frame not in taken:
+            markers.new(say(key), frame=frame)
+    changed(scene)
 
 
 def interface_language() -> str:
@@ -169,4 +199,5 @@ CLASSES = (
     LAPPET_OT_strips_select,
     LAPPET_OT_strip_jump,
     LAPPET_OT_steps_mark,
+    LAPPET_OT_strips_room,
 )

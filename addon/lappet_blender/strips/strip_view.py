@@ -71,9 +71,7 @@ def view_of(scene: bpy.types.Scene, space: Any, region: Any) -> StripView:
     scrolled = 0.0
     if space.mode == "DOPESHEET":
         scrolled = max(0.0, -float(region.view2d.region_to_view(0, region.height)[1]))
-    return StripView(
-        left, scale, region.height - _SCRUB * points, (markers + _SCROLLBAR) * points, points, scrolled
-    )
+    return StripView(left, scale, region.height - _SCRUB * points, (markers + _SCROLLBAR) * points, points, scrolled)
 
 
 def picture_in(scene: bpy.types.Scene, space: Any, region: Any) -> StripPicture:

@@ -112,6 +112,8 @@ class ProblemCode(StrEnum):
     TOOL_GROUND_GONE = auto()
     STEP_UNKNOWN = auto()
     STEP_NO_EVENTS = auto()
+    ASSET_UNKNOWN = auto()
+    ASSET_NO_SUTURE = auto()
 
     # texts/cutting.toml
     CUT_KERF = auto()
