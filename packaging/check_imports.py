@@ -81,6 +81,7 @@ ADDON_FOLDERS = (
     "files",
     "plates",
     "start",
+    "translation",
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTRINSICS = re.compile(r"^(xsimd/|[a-z0-9]*mmintrin\.h$|immintrin\.h$|x86intrin\.h$|arm_neon\.h$|arm_sve\.h$)")

@@ -84,7 +84,13 @@ def test_the_first_scene_is_an_operation_without_a_problem_seen_whole_by_its_cam
     across = np.ptp(seen[:, 0])
     assert across > 0.4  # and not far away
     names = [marker.name for marker in sorted(scene.timeline_markers, key=lambda each: each.frame)]
-    assert names == ["Planned incisions", "Incised and undermined", "Raised with hooks", "Closed with sutures", "Result"]
+    assert names == [
+        "Planned incisions",
+        "Incised and undermined",
+        "Raised with hooks",
+        "Closed with sutures",
+        "Result",
+    ]
 
 
 @pytest.fixture

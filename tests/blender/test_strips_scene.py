@@ -112,6 +112,18 @@ def test_a_copy_that_cannot_be_there_is_not_added(operation: bpy.types.Scene) ->
     assert len(bpy.data.objects) == count
 
 
+def test_an_act_does_not_remember_what_the_last_one_was_told(operation: bpy.types.Scene) -> None:
+    ops.strips_move("EXEC_DEFAULT", True, events="hook_1", shift=13.0, copy=True)
+    count = len(operation.lappet.events)
+    ops.strips_select(which="NONE")
+    operation.lappet.active_event = 0
+    ops.strips_move("EXEC_DEFAULT", True, shift=1.0)
+    assert len(operation.lappet.events) == count
+    assert spans()["incision_1"] == (4.0, 4.0)
+    properties = ops.strips_move.get_rna_type().properties
+    assert all(properties[name].is_skip_save for name in ("events", "part", "shift", "copy", "step"))
+
+
 def test_mute_turns_off_and_then_on_again(operation: bpy.types.Scene) -> None:
     on = lambda: [event.enabled for event in bpy.context.scene.lappet.events]  # noqa: E731
     ops.strips_mute(events="hook_1,suture_1")

@@ -185,11 +185,11 @@ def copies(blender: Driver) -> Steps:
 
 
 def tall(blender: Driver) -> Steps:
-    """The Dope Sheet in the large area has rows as tall as can be."""
-    area = blender.area("VIEW_3D")
-    area.type = EDITOR
-    area.ui_type = "DOPESHEET"
-    yield 0.5
+    """The Dope Sheet of the workspace Animation."""
+    blender.window.workspace = bpy.data.workspaces["Animation"]
+    yield 1.0
+    modes = [area.spaces.active.mode for area in blender.window.screen.areas if area.type == EDITOR]
+    blender.expect(blender.area(EDITOR).spaces.active.mode == "DOPESHEET", f"the Dope Sheet is the largest: {modes}")
     with blender.override(area=EDITOR):
         bpy.ops.action.view_all()
     yield from blender.move(blender.within(0.5, 0.2, area=EDITOR))

@@ -36,12 +36,29 @@ class LAPPET_OT_strips_move(OperatorBase, bpy.types.Operator):
     bl_label = "Move Strips"
     bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "BLOCKING"}
 
-    events: StringProperty(name="Events", description="Names or identifiers; if not given, the selected strips")
-    part: EnumProperty(name="Part", items=PARTS, default=Part.BODY.value)
-    shift: FloatProperty(name="Shift", description="Number of frames later", default=0.0, precision=2, step=100)
-    copy: BoolProperty(name="Copy", description="Add copies there and leave the events where they are")
+    # Each begins anew: Blender would remember that the last strips were copied.
+    events: StringProperty(
+        name="Events",
+        description="Names or identifiers; if not given, the selected strips",
+        options={"SKIP_SAVE"},
+    )
+    part: EnumProperty(name="Part", items=PARTS, default=Part.BODY.value, options={"SKIP_SAVE"})
+    shift: FloatProperty(
+        name="Shift",
+        description="Number of frames later",
+        default=0.0,
+        precision=2,
+        step=100,
+        options={"SKIP_SAVE"},
+    )
+    copy: BoolProperty(
+        name="Copy", description="Add copies there and leave the events where they are", options={"SKIP_SAVE"}
+    )
     step: IntProperty(
-        name="Step", description="Frame of the marker with which the step begins", options={"HIDDEN"}, default=1
+        name="Step",
+        description="Frame of the marker with which the step begins",
+        options={"HIDDEN", "SKIP_SAVE"},
+        default=1,
     )
 
     @classmethod

@@ -27,7 +27,11 @@ _LANGUAGES = (
 class _OnStrips(OperatorBase):
     """An operator on chosen strips. From a key: on what is under the mouse, or on the selected ones if that is."""
 
-    events: StringProperty(name="Events", description="Names or identifiers; if not given, the selected strips")
+    events: StringProperty(
+        name="Events",
+        description="Names or identifiers; if not given, the selected strips",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -83,7 +87,9 @@ class LAPPET_OT_strips_select(OperatorBase, bpy.types.Operator):
         ),
         default="ALL",
     )
-    frame: IntProperty(name="Frame", description="A frame of the step; if not given, the current one")
+    frame: IntProperty(
+        name="Frame", description="A frame of the step; if not given, the current one", options={"SKIP_SAVE"}
+    )
 
     def run(self, context: bpy.types.Context) -> str:
         scene = context.scene
