@@ -15,6 +15,7 @@ from bpy_extras.object_utils import world_to_camera_view
 from event_patch import co, patch_scene
 from lappet.checks.validation import check
 from lappet.core.problem_code import ProblemCode
+from lappet.tissue.presets import PRESETS as PRESETS_OF_TISSUE
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.start import asset_items, asset_library, asset_operators, own_presets, template_files
 from lappet_blender.start.asset_library import TAG
@@ -107,7 +108,7 @@ def test_the_library_holds_every_kind_in_its_catalog_and_names_itself_in_the_pre
     assert Path(known.path) == library
     lines = (library / "blender_assets.cats.txt").read_text(encoding="utf-8").splitlines()
     catalogs = {line.split(":")[0]: line.split(":")[1] for line in lines if line.count(":") == 2}
-    assert set(catalogs.values()) == {"Lappet/Flaps", *asset_items.CATALOGS.values()}
+    assert set(catalogs.values()) == {"Lappet", "Lappet/Flaps", *asset_items.CATALOGS.values()}
     with bpy.data.libraries.load(str(library / "lappet.blend"), assets_only=True) as (there, into):
         into.objects = list(there.objects)
     items = {item.tag: item for item in asset_items.asset_items()}
@@ -126,6 +127,15 @@ def test_writing_the_library_twice_leaves_one_entry_and_removing_takes_it_out(li
     assert [each.name for each in libraries].count("Lappet") == 1
     assert ops.assets_remove() == {"FINISHED"}
     assert "Lappet" not in libraries
+
+
+def test_the_picture_of_a_material_is_its_curve(addon: None) -> None:
+    stress = asset_items._stress
+    fat, skin = PRESETS_OF_TISSUE["fat"].material, PRESETS_OF_TISSUE["skin"].material
+    assert stress(skin, 1.0) == pytest.approx(0.0, abs=1e-6)
+    step = 1e-4
+    assert (stress(fat, 1.0 + step) - stress(fat, 1.0)) / step == pytest.approx(fat.youngs_modulus, rel=0.02)
+    assert stress(skin, 1.3) > 10.0 * stress(fat, 1.3)
 
 
 def test_pictures_differ_from_asset_to_asset_but_for_models_of_bodies(addon: None) -> None:

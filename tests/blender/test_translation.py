@@ -16,6 +16,7 @@ import lappet_blender
 from lappet.designs.library import DESIGNS
 from lappet.plates.plate_words import LANGUAGES as CATALOGUE
 from lappet.procedure.threads import THREADS
+from lappet_blender.interface.sidebar_panel import SidebarPanel
 from lappet_blender.translation.dictionary import CONTEXTS, LANGUAGES, blender_dictionary, messages
 
 ADDON = Path(lappet_blender.__file__).parent
@@ -109,4 +110,6 @@ def test_blender_gets_each_message_for_labels_and_for_buttons(addon: None) -> No
     for texts in made.values():
         assert {message for _, message in texts} == set(messages())
         assert {context for context, _ in texts} == set(CONTEXTS)
+    panels = {each.bl_translation_context for each in classes() if issubclass(each, SidebarPanel)}
+    assert panels == {"Lappet"}
     assert made["de_DE"]["*", "Timeline"] == "Zeitleiste"

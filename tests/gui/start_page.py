@@ -25,6 +25,7 @@ def scenario(blender: Driver) -> Steps:
     blender.expect(bpy.ops.lappet.template_install() == {"FINISHED"}, "the template is installed")
     templates = [Path(each).name for each in bpy.utils.app_template_paths()]
     blender.notes["template folders"] = templates
+    unfold()
     bpy.ops.wm.read_homefile("EXEC_DEFAULT", app_template="Lappet")
     yield 2.0
     yield from first_file(blender)
@@ -39,10 +40,10 @@ def first_file(blender: Driver) -> Steps:
     blender.expect(scene.lappet.tissue.object is not None, "there is a tissue")
     blender.expect(len(scene.lappet.events) > 3, f"there is an operation of {len(scene.lappet.events)} events")
     blender.expect(scene.camera is not None, "there is a camera")
-    name = blender.window.workspace.name
-    blender.expect(name == "Lappet", f"the workspace is called {name}")
     display = import_module(f"{MODULE}.display.skin_display")
     yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 60.0, "its skin is shown")
+    name = blender.window.workspace.name
+    blender.expect(name == "Lappet", f"the workspace is called {name}")
     height = blender.area("DOPESHEET_EDITOR").height
     blender.expect(height > 200, f"the Timeline has room for strips: {height} pixels")
     yield from blender.screenshot("first_file")
@@ -79,14 +80,16 @@ def plate(blender: Driver) -> Steps:
         bpy.ops.lappet.plate_add("EXEC_DEFAULT", True, template="steps")
         corner = tuple(blender.window.scene.lappet.events[0].points[0].co)
         bpy.ops.lappet.annotation_add("EXEC_DEFAULT", True, kind="label", points=[{"name": "", "co": corner}])
-    unfold()
     yield from blender.show_tab("Lappet")
-    yield from pages(blender, "panels", 5)
+    yield from pages(blender, "panels", 8)
     view = bpy.context.preferences.view
     view.language = "de_DE"
     view.use_translate_interface = view.use_translate_tooltips = True
     say = bpy.app.translations.pgettext_iface
     blender.expect(say("Flap Library") == "Lappensammlung", f"Blender says it in German: {say('Flap Library')}")
+    context = bpy.types.LAPPET_PT_solve.bl_translation_context
+    solve = bpy.app.translations.pgettext_iface("Solve", context)
+    blender.expect(solve == "Rechnen", f"the panel of solving is called so, and not as in tracking: {solve}")
     yield from pages(blender, "german", 2)
 
 

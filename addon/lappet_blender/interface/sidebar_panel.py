@@ -13,6 +13,7 @@ class SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Lappet"
+    bl_translation_context = "Lappet"  # Blender's own words mean something else: to solve, in tracking
 
 
 def with_fields(layout: Any) -> Any:

@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from lappet.models.new_model import MODELS
 from lappet.plates.plate_templates import TEMPLATES
+from lappet.procedure import Material
 from lappet.procedure.threads import THREADS, Thread
 from lappet.tissue.presets import PRESETS
+from lappet.tissue.uniaxial import nominal_stresses, stretches_under
 
 SIZE = 128  # pixels of a picture
 KINDS = ("model", "material", "thread", "instrument", "plate")
@@ -37,6 +39,7 @@ PLATES = {
     "section": "The wound in section",
     "cover": "One large drawing",
 }
+_MOST_STRETCH, _MOST_STRESS = 1.4, 10_000.0  # of the axes: kPa
 _PAPER = np.array([0.93, 0.90, 0.86])
 _SKIN = np.array([0.83, 0.62, 0.51])
 _INK = np.array([0.16, 0.13, 0.12])
@@ -133,14 +136,27 @@ def _model(canvas: _Canvas, item: AssetItem) -> None:
 
 
 def _material(canvas: _Canvas, item: AssetItem) -> None:
-    """Stress over stretch: the steeper, the stiffer; beside a swatch."""
-    modulus = float(PRESETS[item.name].material.youngs_modulus)
-    canvas.box(0.08, 0.92, 0.06, 0.2, _SKIN * np.clip(1.15 - 0.12 * np.log10(max(modulus, 0.1)), 0.4, 1.15))
-    canvas.line(np.array([[0.14, 0.92], [0.14, 0.3], [0.92, 0.3]]), 0.012, _INK)
-    x = np.linspace(0.0, 1.0, 40)
-    steep = 0.15 + 0.25 * np.clip(np.log10(max(modulus, 0.1)) + 1.0, 0.0, 4.0)
-    y = np.clip(steep * (0.35 * x + 0.65 * x**3), 0.0, 0.62)
-    canvas.line(np.stack([0.14 + 0.76 * x, 0.3 + y], axis=1), 0.025, np.array([0.75, 0.25, 0.2]))
+    """What it takes to stretch it along its fibers, on a logarithmic axis, and a dot at how it is stretched in vivo."""
+    material = PRESETS[item.name].material
+    canvas.line(np.array([[0.14, 0.92], [0.14, 0.1], [0.92, 0.1]]), 0.012, _INK)
+    stretch = np.linspace(1.0, _MOST_STRETCH, 24)
+    curve = np.array([_on_paper(each, _stress(material, each)) for each in stretch])
+    canvas.line(curve, 0.028, np.array([0.75, 0.25, 0.2]))
+    now = min(max(float(material.prestretch[0]), 1.0), _MOST_STRETCH)
+    at = np.array(_on_paper(now, _stress(material, now)))
+    canvas.line(np.array([at, at + 1e-6]), 0.09, _INK)
+
+
+def _stress(material: Material, stretch: float) -> float:
+    """Nominal stress in kPa at a stretch along the fibers, free across."""
+    found = stretches_under(material, {0: stretch}, {1: 0.0, 2: 0.0})
+    return float(nominal_stresses(material, found)[0])
+
+
+def _on_paper(stretch: float, stress: float) -> tuple[float, float]:
+    """The place of a stretch and a stress in kPa in a picture."""
+    high = np.log10(1.0 + max(stress, 0.0)) / np.log10(1.0 + _MOST_STRESS)
+    return 0.14 + 0.74 * (stretch - 1.0) / (_MOST_STRETCH - 1.0), 0.1 + 0.78 * min(float(high), 1.0)
 
 
 def _thread(canvas: _Canvas, item: AssetItem) -> None:

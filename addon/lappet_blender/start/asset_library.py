@@ -27,6 +27,7 @@ def write_assets(folder: Path, mm: float) -> int:
     write_library(folder, mm)  # its file of catalogs holds that of flaps alone
     catalogs = folder / CATALOGS
     lines = [catalogs.read_text(encoding="utf-8").rstrip()]
+    lines.append(f"{_catalog(LIBRARY)}:{LIBRARY}:{LIBRARY}")  # above the others
     lines += [f"{_catalog(path)}:{path}:{path.replace('/', '-')}" for path in FOLDERS.values()]
     catalogs.write_text("\n".join([*lines, ""]), encoding="utf-8")
     items = asset_items()

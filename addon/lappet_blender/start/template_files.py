@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import shutil
 from pathlib import Path
 
@@ -58,6 +59,8 @@ def write_template(addon: str) -> Path:
     fresh = source.with_suffix(".new")
     fresh.write_text(_SOURCE.format(addon=addon), encoding="utf-8")
     fresh.replace(source)
+    bpy.utils.refresh_script_paths()  # the folder of scripts may be new
+    importlib.invalidate_caches()
     return folder
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 FILES = ("labels.toml", "tips.toml")
 # The languages of each row of the files, in order, with the names that versions of Blender give them.
 LANGUAGES = (("de", ("de_DE",)), ("fr", ("fr_FR",)), ("es", ("es", "es_ES")), ("zh", ("zh_HANS", "zh_CN")))
-CONTEXTS = ("*", "Operator")  # of labels and tips; of the names of operators
+CONTEXTS = ("*", "Operator", "Lappet")  # of fields and tips; of buttons; of panels
 
 
 @cache
