@@ -123,7 +123,7 @@ def move_step(scene: bpy.types.Scene, step: Step, shift: float) -> None:
 def _set_spans(scene: bpy.types.Scene, spans: Mapping[str, Span]) -> None:
     """Have events begin and end then; keyframes of targets move with what moves whole."""
     for uid, span in spans.items():
-        event = find_event(scene, uid)
+        event: Any = find_event(scene, uid)
         start, end = event_time(event), event_end(event)
         if abs((span.end - end) - (span.start - start)) < 1e-6:
             move_event(scene, event, span.start)

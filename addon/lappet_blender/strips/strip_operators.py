@@ -1,6 +1,7 @@
 """Acts on strips: select, mute, remove, go to, and markers that name the steps."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
@@ -57,7 +58,8 @@ class LAPPET_OT_strips_mute(_OnStrips, bpy.types.Operator):
         strips = chosen_strips(context.scene, self.events)
         on = not any(strip.enabled for strip in strips)
         for strip in strips:
-            find_event(context.scene, strip.uid).enabled = on
+            event: Any = find_event(context.scene, strip.uid)
+            event.enabled = on
         redraw_strips()
 
 
