@@ -39,7 +39,10 @@ class LAPPET_UL_plate_panels(bpy.types.UIList):
     ) -> None:
         row = layout.row(align=True)
         row.prop(item, "title", text="", emboss=False, icon="IMAGE_PLANE" if not item.inset_of else "ZOOM_IN")
-        row.label(text=f"frame {item.time:g}" if item.step == "FRAME" else item.step)
+        if item.step == "FRAME":
+            row.label(text=f"frame {item.time:g}")
+        elif item.step != item.name:  # a panel is called after its step until it is renamed
+            row.label(text=item.step)
 
 
 class LAPPET_UL_plate_annotations(bpy.types.UIList):
@@ -116,20 +119,39 @@ class LAPPET_PT_plate(SidebarPanel, bpy.types.Panel):
             draw_sentence(layout, context, "Add a plate: a page for print of the operation.", "INFO")
             return
         fields = with_fields(layout.column())
-        for name in ("title", "style", "tone", "width", "columns", "text", "journal", "language", "view", "quantity"):
+        for name in ("title", "style", "view", "language"):
             fields.prop(plate, name)
-        fields.prop(plate, "marks")
+        flags = layout.column(align=True)
+        for names in _SHOWN:
+            row = flags.row(align=True)
+            for name in names:
+                row.prop(plate, name, toggle=True)
+
+
+class LAPPET_PT_plate_page(SidebarPanel, bpy.types.Panel):
+    """What seldom changes: size, publisher, maps, marks, sections."""
+
+    bl_label = "Page"
+    bl_parent_id = "LAPPET_PT_plate"
+    bl_options = CLOSED
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return active_plate(context.scene) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        plate = active_plate(context.scene)
+        if plate is None:
+            return
+        fields = with_fields(self.layout.column())
+        for name in ("tone", "width", "columns", "text", "journal", "quantity", "marks"):
+            fields.prop(plate, name)
         if plate.marks != "NONE":
             fields.prop(plate, "marks_spacing")
         fields.prop(plate, "sectioned")
         if plate.sectioned:
             fields.prop(plate, "section_at")
             fields.prop(plate, "section_normal")
-        flags = layout.column(align=True)
-        for names in _SHOWN:
-            row = flags.row(align=True)
-            for name in names:
-                row.prop(plate, name, toggle=True)
 
 
 class LAPPET_PT_plate_panels(SidebarPanel, bpy.types.Panel):
@@ -240,6 +262,7 @@ CLASSES = (
     LAPPET_MT_plate_panel_add,
     LAPPET_MT_annotation_add,
     LAPPET_PT_plate,
+    LAPPET_PT_plate_page,
     LAPPET_PT_plate_panels,
     LAPPET_PT_plate_annotations,
     LAPPET_PT_plate_output,
