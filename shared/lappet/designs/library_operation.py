@@ -176,7 +176,8 @@ def flap_events(tissue: Tissue, laid: LaidFlap) -> tuple[tuple[Event, ...], floa
     design = flap_on_skin(tissue, laid.design, laid.at, laid.direction, dict(laid.measures), mirrored=laid.mirrored)
     skin = SkinSheet.of(tissue)
     when = schedule(design, laid.start)
-    how = technique(design, thickness_at(tissue, laid.at), tissue.spacing)
+    thickness = thickness_at(tissue, laid.at) if design.blade is None else _thinnest(tissue, skin, design)
+    how = technique(design, thickness, tissue.spacing)
     return _kept_inside(tissue, skin, design, how, flap_operation(design, skin, when, how)), when.end
 
 
@@ -249,14 +250,25 @@ def thickness_at(tissue: Tissue, at: ArrayLike) -> float:
     float
         Distance in mm from the skin there to the bed; 4 where there is none.
     """
-    bed = tissue.subsets.get("bed", ())
+    return float(_thicknesses(tissue, SkinSheet.of(tissue), np.asarray(at, np.float64)[None], "bed")[0])
+
+
+def _thinnest(tissue: Tissue, skin: SkinSheet, design: FlapDesign) -> float:
+    """How thick the tissue is where it is thinnest along what is sewn, mm: a lip is thinner than what is beside it."""
+    edges = np.array([point for seam in design.seams for edge in seam.edges for point in edge.points])
+    return float(_thicknesses(tissue, skin, edges, "underside" if "underside" in tissue.subsets else "bed").min())
+
+
+def _thicknesses(tissue: Tissue, skin: SkinSheet, at: NDArray[np.float64], lower: str) -> NDArray[np.float64]:
+    """Distances in mm from the skin at places (k, 3) to the faces of a subset, shape (k,)."""
+    bed = tissue.subsets.get(lower, ())
     if not len(bed):
-        return _UNMEASURED
+        return np.full(len(at), _UNMEASURED)
     counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
     triangles, _, faces = triangulate(tissue.points, counts, indices)
     below = ClosestPoint(tissue.points, triangles[np.isin(faces, bed)])
-    on_skin, _ = SkinSheet.of(tissue).at(at)
-    return float(below.query(on_skin)[2][0])
+    on_skin, _ = skin.at(at)
+    return np.asarray(below.query(on_skin)[2])
 
 
 def landmark_place(procedure: Procedure, label: str) -> Point:
