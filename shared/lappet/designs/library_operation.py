@@ -29,6 +29,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 # Shares of the tissue's thickness at which sutures lie: through the deep layer, through the dermis, and on the skin.
 DEEP, DERMAL = 0.8, 0.15
+OBLIQUE = 0.3  # where a wall stands oblique to the skin, below whose edge there may be no tissue: no row is deeper
 SEAM_SUTURES = 6.0  # sutures of a row along the longest seam, at least, as long as the lattice can hold them
 BEYOND = 15.0  # mm of skin undermined around the cuts; half of it shrinks with the design
 MARGIN = 24.0  # mm of skin around a design on a patch of its own
@@ -58,13 +59,11 @@ def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique
     seam = max(length(np.array(edge.points)) for seam in design.seams for edge in seam.edges)
     apart = max(min(usual.apart, seam / SEAM_SUTURES), 1.5 * spacing)
     small = min(1.0, seam / 20.0)
+    deep, skin = Row("deep", round(DEEP * thickness, 2)), Row("skin", 0.0)
+    dermal = Row("dermal", round((DERMAL if design.blade is None else OBLIQUE) * thickness, 2), 0.5)
     return replace(
         usual,
-        rows=(
-            Row("deep", round(DEEP * thickness, 2)),
-            Row("dermal", round(DERMAL * thickness, 2), 0.5),
-            Row("skin", 0.0),
-        ),
+        rows=(deep, dermal, skin) if design.blade is None else (dermal, skin),
         apart=apart,
         margin=min(usual.margin, 0.7 * apart),
         beyond=round(0.5 * BEYOND * (1.0 + small) * design.undermined, 2),

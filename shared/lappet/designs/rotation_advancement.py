@@ -1,14 +1,14 @@
 """Millard's rotation–advancement of a unilateral cleft lip.
 
-In the design's plane the top of the cleft T, at the nostril's floor, is the origin, and x runs down its middle. P, at the
-red's border on the medial side, is the peak of Cupid's bow that stands too high (Millard's 3), Q its partner on the
+In the design's plane the top of the cleft T, at the nostril's floor, is the origin, and x runs down its middle. P, at
+the red's border on the medial side, is the peak of Cupid's bow that stands too high (Millard's 3), Q its partner on the
 lateral side (8). What lies between T, P, Q and the red below them, down to R, is pared away: skin between the margins,
 and the red that lines them.
 
 From T the rotation incision runs below the base of the columella to E (5): below it lies flap A, the philtrum with
-Cupid's bow, which turns down about E. The other incision runs from T below the ala to N (10): between it and the lateral
-margin lies flap B. It is advanced: its tip, at T, comes into the gap that A has left, to E. Then B's margin T Q is sewn to
-A's edge E T P, its upper edge T N to the upper lip E T N of both incisions, P to Q, and the red below them.
+Cupid's bow, which turns down about E. The other incision runs from T below the ala to N (10): between it and the
+lateral margin lies flap B. It is advanced: its tip, at T, comes into the gap that A has left, to E. Then B's margin T Q
+is sewn to A's edge E T P, its upper edge T N to the upper lip E T N of both incisions, P to Q, and the red below them.
 
 All is cut through the lip from its front, square to the plane through T, P and Q: on the rolled border of the red a
 blade square to the skin would not part the lip.
@@ -29,6 +29,7 @@ from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
 TURN = np.radians(50.0)  # from a margin to the incision beside it
+LIFT = 0.3  # of the height to which flaps are lifted: these are turned in their plane
 _STEP = 0.5  # mm from point to point
 _NAME = "millard"
 
@@ -39,8 +40,8 @@ def rotation_advancement(
     medial: float = 10.0,
     lateral: float = 12.0,
     gap: float = 9.0,
-    rotation: float = 5.0,
-    ala: float = 9.0,
+    rotation: float = 4.5,
+    ala: float = 10.0,
     drop: float = 2.5,
     red: float = 7.0,
     red_sewn: float = 1.0,
@@ -111,7 +112,8 @@ def rotation_advancement(
     side = {name: segment(np.zeros(2), end, _STEP) for name, end in ends.items()}
     medial_side, lateral_side = plane.points(side["p"]), plane.points(side["q"])
     front = _Front.through(medial_side[0], medial_side[-1], lateral_side[-1], mirrored)
-    outline = (*medial_side[:-1], *front.red(medial_side[-1], red), *front.red(lateral_side[-1], red)[-2:0:-1], *lateral_side[:0:-1])
+    down, up = front.red(medial_side[-1], red), front.red(lateral_side[-1], red)[::-1]
+    outline = (*medial_side[:-1], *down, *up[1:-1], *lateral_side[:0:-1])
     left = -1 if mirrored else 1
     from_e = side["e"][::-1]
     starts = (lateral_side[-1], left), (medial_side[-1], -left)
@@ -129,8 +131,8 @@ def rotation_advancement(
             Corner("bow", plane.spot(q, b), plane.spot(p, a)),
         ),
         (
-            Carry("rotation", plane.spot(p, a), plane.point(e), plane.spot(lay, a)),
-            Carry("advancement", plane.spot((0.0, 0.0), b), None, plane.spot(e, e + above)),
+            Carry("rotation", plane.spot(p, a), plane.point(e), plane.spot(lay, a), LIFT),
+            Carry("advancement", plane.spot((0.0, 0.0), b), None, plane.spot(e, e + above), LIFT),
         ),
         (plane.point(a), plane.point(b)),
         undermined=undermined,
@@ -177,12 +179,14 @@ MILLARD = LibraryDesign(
         Parameter("medial", "length of the medial margin", "mm", 10.0, 4.0, 16.0, _DRAWN),
         Parameter("lateral", "length of the lateral margin", "mm", 12.0, 4.0, 18.0, _DRAWN),
         Parameter("gap", "distance of the margins' ends, laid flat", "mm", 9.0, 2.0, 20.0, _DRAWN),
-        Parameter("rotation", "length of the incision below the columella", "mm", 5.0, 2.0, 12.0, _DRAWN),
-        Parameter("ala", "length of the incision below the ala", "mm", 9.0, 3.0, 16.0, _DRAWN),
+        Parameter("rotation", "length of the incision below the columella", "mm", 4.5, 2.0, 12.0, _DRAWN),
+        Parameter("ala", "length of the incision below the ala", "mm", 10.0, 3.0, 16.0, _DRAWN),
         Parameter("drop", "how far the peak of Cupid's bow is turned down", "mm", 2.5, 0.5, 6.0, _DRAWN),
         Parameter("red", "height of what is pared of the red", "mm", 7.0, 2.0, 14.0, _DRAWN),
         Parameter("red_sewn", "share of the red's edges that is sewn", "", 1.0, 0.2, 1.0, "less where a notch is"),
-        Parameter("undermined", "undermining, of the usual", "", 0.4, 0.0, 1.0, "0 for a lip that is free on its mucosa"),
+        Parameter(
+            "undermined", "undermining, of the usual", "", 0.4, 0.0, 1.0, "0 for a lip that is free on its mucosa"
+        ),
     ),
     rotation_advancement,
     "the top of the cleft, at the nostril's floor",

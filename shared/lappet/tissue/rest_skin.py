@@ -17,7 +17,6 @@ from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import open_edges
 from lappet.geometry.triangles import barycentric
 
-
 _POCKET = 2.0  # times the thickness: how wide a gap inside a rolled rim is at most
 
 
