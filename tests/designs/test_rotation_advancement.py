@@ -43,9 +43,17 @@ def test_the_red_is_pared_down_to_one_point_in_the_middle_below_the_margins() ->
     np.testing.assert_allclose(first[-1], second[-1], atol=1e-9)
     middle = 0.5 * (first[0] + second[0])
     assert np.linalg.norm(first[-1] - middle) == pytest.approx(6.0)
-    half = drawn(red_sewn=0.5)
-    assert length(edge(half, "red", 0)) == pytest.approx(0.5 * length(first))
-    assert half.excised == design.excised
+
+
+def test_of_a_notched_lip_no_more_is_pared_than_there_is() -> None:
+    whole, half = drawn(), drawn(red_share=0.5)
+    ends = [edge(half, "red", k)[-1] for k in (0, 1)]
+    for k, end in enumerate(ends):
+        assert length(edge(half, "red", k)) == pytest.approx(0.5 * length(edge(whole, "red", k)))
+        assert tuple(end) in half.excised[0].outline
+    assert np.linalg.norm(ends[0] - ends[1]) == pytest.approx(4.0)  # half of the gap, which is 8 mm
+    assert len(set(half.excised[0].outline)) == len(half.excised[0].outline)
+    assert len(set(whole.excised[0].outline)) == len(whole.excised[0].outline)
 
 
 def test_the_tip_of_the_lateral_flap_meets_the_end_of_the_rotation_incision() -> None:

@@ -74,7 +74,8 @@ def along_blade(
     points, beyond, seen, drawn = placed.points[order], placed.beyond[order], facing[order], drawn[order]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
     starts, stops = edges[::2], edges[1::2]
-    chosen, off = [], []
+    chosen: list[NDArray[np.float64]] = []
+    off: list[NDArray[np.float64]] = []
     for k, (start, stop) in enumerate(zip(starts, stops, strict=True)):
         before = drawn[(stops[k - 1] if k else 0) : start]
         after = drawn[stop : (starts[k + 1] if k + 1 < len(starts) else count)]
@@ -83,7 +84,7 @@ def along_blade(
         run = points[start:stop]
         first, last = _beside_rim(run[::-1], before[::-1], up, margin)[::-1], _beside_rim(run, after, up, margin)
         chosen += [first, run, last, run[-1:]]
-        off += [np.full(len(first), PAST_RIM), beyond[start:stop], np.full(len(last), PAST_RIM), [np.inf]]
+        off += [np.full(len(first), PAST_RIM), beyond[start:stop], np.full(len(last), PAST_RIM), np.array([np.inf])]
     on_blade = np.vstack(chosen)
     return SkinPoints(on_blade, np.tile(up, (len(on_blade), 1)), np.zeros(len(on_blade)), np.concatenate(off))
 

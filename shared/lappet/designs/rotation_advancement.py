@@ -44,7 +44,7 @@ def rotation_advancement(
     ala: float = 10.0,
     drop: float = 2.5,
     red: float = 7.0,
-    red_sewn: float = 1.0,
+    red_share: float = 1.0,
     undermined: float = 0.4,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
@@ -73,8 +73,8 @@ def rotation_advancement(
         How far the hook turns the peak of Cupid's bow down in mm.
     red
         How far below the middle of P and Q both cuts through the red meet, in mm.
-    red_sewn
-        Share of that cut that is sewn; on a notched lip the rest of it is in the air.
+    red_share
+        Share of that way that is cut and sewn; on a notched lip the rest of it is in the air.
     undermined
         How far around the cuts the skin is undermined, as a share of what is usual.
     normal
@@ -112,11 +112,11 @@ def rotation_advancement(
     side = {name: segment(np.zeros(2), end, _STEP) for name, end in ends.items()}
     medial_side, lateral_side = plane.points(side["p"]), plane.points(side["q"])
     front = _Front.through(medial_side[0], medial_side[-1], lateral_side[-1], mirrored)
-    down, up = front.red(medial_side[-1], red), front.red(lateral_side[-1], red)[::-1]
-    outline = (*medial_side[:-1], *down, *up[1:-1], *lateral_side[:0:-1])
+    reds = tuple(front.red(margin[-1], red, red_share) for margin in (lateral_side, medial_side))
+    far = reds[0][::-1] if red_share < 1.0 else reds[0][-2::-1]
+    outline = (*medial_side[:-1], *reds[1], *far[:-1], *lateral_side[:0:-1])
     left = -1 if mirrored else 1
     from_e = side["e"][::-1]
-    starts = (lateral_side[-1], left), (medial_side[-1], -left)
     lay = e + _turned(p - e, -drop / float(np.linalg.norm(p - e)))
     return FlapDesign(
         (Excised("cleft", outline[::-1] if mirrored else outline, plane.point((2.0, 0.0))),),
@@ -124,7 +124,7 @@ def rotation_advancement(
         (
             Seam("lip", (plane.edge(side["q"], 1), plane.edge(np.vstack([from_e, side["p"][1:]]), -1))),
             Seam("sill", (plane.edge(side["n"], -1), plane.edge(np.vstack([from_e, side["n"][1:]]), 1))),
-            Seam("red", tuple(Edge(front.red(start, red, red_sewn), to) for start, to in starts)),
+            Seam("red", (Edge(reds[0], left), Edge(reds[1], -left))),
         ),
         (
             Corner("tip", plane.spot((0.0, 0.0), b), plane.spot(e, e + above)),
@@ -183,10 +183,16 @@ MILLARD = LibraryDesign(
         Parameter("ala", "length of the incision below the ala", "mm", 10.0, 3.0, 16.0, _DRAWN),
         Parameter("drop", "how far the peak of Cupid's bow is turned down", "mm", 2.5, 0.5, 6.0, _DRAWN),
         Parameter("red", "height of what is pared of the red", "mm", 7.0, 2.0, 14.0, _DRAWN),
-        Parameter("red_sewn", "share of the red's edges that is sewn", "", 1.0, 0.2, 1.0, "less where a notch is"),
         Parameter(
-            "undermined", "undermining, of the usual", "", 0.4, 0.0, 1.0, "0 for a lip that is free on its mucosa"
+            "red_share",
+            "share of that height on which there is red",
+            "",
+            1.0,
+            0.2,
+            1.0,
+            "less where the lip is notched",
         ),
+        Parameter("undermined", "undermining, of the usual", "", 0.4, 0.0, 1.0, "0 for a lip free on its mucosa"),
     ),
     rotation_advancement,
     "the top of the cleft, at the nostril's floor",
