@@ -200,6 +200,7 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
     unlike_0_1 = (
         "lappet:gravityDirection",
         "lappet:bedShear",
+        "lappet:direction",
         "lappet:fiber:slack",
         "lappet:fiber:angle",
     )  # authored where they are not the default

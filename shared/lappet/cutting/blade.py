@@ -60,7 +60,8 @@ def along_blade(
     up = -blade / size
     aside = drawn - placed.points
     aside -= np.outer(aside @ up, up)
-    facing = (placed.normals @ up > np.sin(np.radians(FACING))) & (np.linalg.norm(aside, axis=1) < margin)
+    in_air = (placed.height > 0.0) & (np.linalg.norm(aside, axis=1) > margin)
+    facing = (placed.normals @ up > np.sin(np.radians(FACING))) & ~in_air
     if np.count_nonzero(facing) < 2:
         at = Place.at(placed.points[0], placed.points[-1])
         raise refused(ProblemCode.CUT_FROM_BEHIND, prim, place(blade), place=at, least=FACING)

@@ -101,20 +101,16 @@ def rotation_advancement(
         raise refused(ProblemCode.DESIGN_RANGE, _NAME, f"{gap:g}", name="gap", range=possible)
     plane = DesignPlane.at(center, skin_axes(direction, normal, _NAME), mirrored, project)
     half = 0.5 * np.arccos((medial**2 + lateral**2 - gap**2) / (2.0 * medial * lateral))
-    ends = {
-        "p": medial * _at(-half),
-        "q": lateral * _at(half),
-        "e": rotation * _at(-half - TURN),
-        "n": ala * _at(half + TURN),
-    }
-    p, q, e, n = ends.values()
+    p, q = medial * _at(-half), lateral * _at(half)
+    e, n = rotation * _at(-half - TURN), ala * _at(half + TURN)
+    ends = {"p": p, "q": q, "e": e, "n": n}
     a, b, above = 0.5 * (p + e), 0.5 * (q + n), np.array([-0.5 * rotation, 0.0])
     side = {name: segment(np.zeros(2), end, _STEP) for name, end in ends.items()}
     medial_side, lateral_side = plane.points(side["p"]), plane.points(side["q"])
     front = _Front.through(medial_side[0], medial_side[-1], lateral_side[-1], mirrored)
     reds = tuple(front.red(margin[-1], red, red_share) for margin in (lateral_side, medial_side))
-    far = reds[0][::-1] if red_share < 1.0 else reds[0][-2::-1]
-    outline = (*medial_side[:-1], *reds[1], *far[:-1], *lateral_side[:0:-1])
+    far = reds[0][:0:-1] if red_share < 1.0 else reds[0][-2:0:-1]
+    outline = (*medial_side[:-1], *reds[1], *far, *lateral_side[:0:-1])
     left = -1 if mirrored else 1
     from_e = side["e"][::-1]
     lay = e + _turned(p - e, -drop / float(np.linalg.norm(p - e)))
