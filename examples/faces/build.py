@@ -38,7 +38,6 @@ class Operation(NamedTuple):
     mirrored: bool = False
     targets: tuple[tuple[str, float], ...] = ()  # of the body's shape
     scar: tuple[float, float] | None = None  # length and width in mm of a contracted scar along the direction
-    spacing: float | None = None  # of the lattice in mm; None for the model's
 
 
 CONTRACTED = (10.0, 40.0)  # kPa in a scar across the skin lines: of the preset, and along the band; chosen
@@ -73,23 +72,6 @@ OPERATIONS = {
     "neck_z_plasty": Operation(
         "neck", "z-plasty", (0.0, 75.0, 592.0), (0.0, 0.0, 1.0), {"limb": 15.0}, scar=(44.0, 6.0)
     ),
-    "cleft_lip_millard": Operation(
-        "cleft-lip",
-        "millard",
-        (-8.5, 148.5, 689.5),
-        (-0.217, 0.866, -0.451),
-        {
-            "medial": 10.9,
-            "lateral": 14.0,
-            "gap": 17.6,
-            "rotation": 4.5,
-            "ala": 11.0,
-            "red": 13.0,
-            "red_share": 0.5,
-            "undermined": 0.0,
-        },
-        spacing=1.2,
-    ),
 }
 
 
@@ -98,9 +80,8 @@ def build(name: str, spacing: float | None = None) -> Procedure:
     operation = OPERATIONS[name]
     choice = ModelChoice(shape=BodyShape(targets=operation.targets)) if operation.targets else ModelChoice()
     start = new_model(operation.model, choice)
-    chosen = spacing if spacing is not None else operation.spacing
-    if chosen is not None:
-        start = replace(start, tissue=replace(start.tissue, spacing=chosen))
+    if spacing is not None:
+        start = replace(start, tissue=replace(start.tissue, spacing=spacing))
     direction: ArrayLike = operation.direction
     if isinstance(operation.direction, str):
         direction = skin_line_direction(start, operation.at, across=operation.direction == "across")
