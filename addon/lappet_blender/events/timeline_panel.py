@@ -167,6 +167,7 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             deep.active = not event.through
             deep.prop(event, "depth")
             fields.prop(event, "kerf")
+            fields.prop(event, "direction")
             fields.prop(event, "closed")
         case "HOOK":
             fields.prop(event, "stiffness")

@@ -9,6 +9,7 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     StringProperty,
 )
 
@@ -89,6 +90,12 @@ class LappetEvent(bpy.types.PropertyGroup):
     through: flag(name="Through", description="Cut through the whole tissue", default=True)
     depth: number(name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.0)
     kerf: number(name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.0, precision=3)
+    direction: FloatVectorProperty(
+        name="Direction",
+        description="Direction in which the blade goes into the tissue; zero to cut square to the skin everywhere",
+        size=3,
+        update=property_changed,
+    )
     stiffness: FloatProperty(
         name="Stiffness",
         description="Stiffness of the hook or suture, in mN/mm",

@@ -118,6 +118,8 @@ class ProblemCode(StrEnum):
     # texts/cutting.toml
     CUT_KERF = auto()
     CUT_DEPTH = auto()
+    CUT_DIRECTION = auto()
+    CUT_FROM_BEHIND = auto()
     CUT_NO_LENGTH = auto()
     CUT_MISSES_TISSUE = auto()
     CUT_POINT_OFF_SKIN = auto()
