@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -11,10 +12,18 @@ from imageio_ffmpeg import get_ffmpeg_exe
 from PIL import Image
 
 from lappet.core.problem_code import ProblemCode
-from lappet.plates.draw_film import FilmOptions, draw_film
+from lappet.drawing.skin_read import SkinCache
+from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_panel
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import chapters, film_frames
+from lappet.plates.plate_cache import chosen_steps
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_panel import PanelMaker, ToldLabels
+from lappet.plates.plate_request import PlateRequest, PlateRow
+from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep, StepKind
+from lappet.plates.plate_style import plate_style
+from lappet.plates.plate_words import plate_words
 from refusals import refuses
 
 PLAN, CUT, END = (
@@ -110,3 +119,25 @@ def test_what_is_no_film_is_refused_before_anything_is_drawn(cache_file: Path, t
     with refuses(ProblemCode.FILM_SPEED):
         draw_film(cache_file, tmp_path / "film.mp4", FilmOptions(fps=0.0))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_labels_of_a_film_neither_jump_nor_flicker(cache: SkinCache, font: PlateFont) -> None:
+    """On the way from step to step names keep their places, their leaders slide, and what has gone does not return."""
+    steps = chosen_steps(cache)
+    frames = film_frames(cache.frames, steps, 8.0, 2.0)
+    request = PlateRequest((PlateRow(cache, tuple(each.step for each in frames)),), {}, WIDTH, 1)
+    size = (WIDTH, 78.0)
+    scene = plate_scene(cache, [step.time for step in steps], "oblique", size)
+    maker = PanelMaker(request, (scene,), plate_style("schematic"), plate_words("en"), font, size)
+    told = ToldLabels()
+    panels = [film_panel(maker, number, frame, told) for number, frame in enumerate(frames)]
+    pairs = 0
+    for (first, one), (second, other) in pairwise(zip(frames, panels, strict=True)):
+        was = {label.text: label for label in one.labels}
+        held = second.step == second.caption
+        assert held or {label.text for label in other.labels} <= set(was)
+        for label in other.labels:
+            if label.text in was:
+                pairs += 1
+                assert label.port == pytest.approx(was[label.text].port), f"{label.text} jumps at {first.step.time}"
+    assert pairs >= len(panels)  # it has labels on the way

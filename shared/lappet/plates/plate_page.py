@@ -14,7 +14,7 @@ from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.annotations import check_anchors
 from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, STROKE_LABELS
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker, ToldLabels
 from lappet.plates.plate_request import PlateRequest
 from lappet.plates.plate_scene import PlateScene, at_one_scale, plate_scene
 from lappet.plates.plate_style import PlateStyle
@@ -123,7 +123,7 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     heights = [maker.size[1] + 1.5 + LINE * style.caption_size * count + GUTTER for count in counts]
     tops = np.concatenate([[0.0], np.cumsum(heights)])
     panels: list[PagePanel] = []
-    told: set[str] = set()
+    told = ToldLabels()
     for k, caption in enumerate(lines):
         x = (k % columns) * (width + GUTTER) + 0.5 * width
         panels += maker.panels(k, caption, np.array([x, float(tops[k // columns]) + 0.5 * maker.size[1]]), told)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +100,43 @@ class PagePanel:
     section: bool = False
 
 
+@dataclass(eq=False)
+class ToldLabels:
+    """Labels of the panels before.
+
+    Parameters
+    ----------
+    keys
+        Keys of the catalogue's labels that a panel has had.
+    places
+        Where each text was last.
+    riding
+        Whether a panel has the same labels as the one before, as far as what they name is still seen; otherwise it has
+        those that none before it had.
+    """
+
+    keys: set[str] = field(default_factory=set)
+    places: dict[str, PlacedLabel] = field(default_factory=dict)
+    riding: bool = False
+
+    def choose(self, keys: Sequence[str]) -> list[str]:
+        """Choose the labels of a panel.
+
+        Parameters
+        ----------
+        keys
+            Those of what is seen.
+
+        Returns
+        -------
+        list[str]
+            Those that it has.
+        """
+        chosen = [key for key in keys if (key in self.keys) is self.riding]
+        self.keys = set(chosen) if self.riding else {*self.keys, *chosen}
+        return chosen
+
+
 @dataclass(frozen=True, eq=False)
 class PanelMaker:
     """What all panels of a page are made with.
@@ -128,7 +165,7 @@ class PanelMaker:
     size: tuple[float, float]
 
     def panels(
-        self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: set[str]
+        self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: ToldLabels
     ) -> list[PagePanel]:
         """Make a panel and what stands in its corners.
 
@@ -141,7 +178,7 @@ class PanelMaker:
         middle
             Its middle on the page in mm, shape (2,).
         told
-            Keys of labels that a panel before it has; those of this one are added.
+            Labels of the panels before it; those of this one are added.
 
         Returns
         -------
@@ -163,9 +200,8 @@ class PanelMaker:
         drawing = uncovered(drawing, places)
         notes = self._notes(scene, steps, k, drawing) if areas is AREA_LABELS else DrawnAnnotations()
         sites = label_sites(drawing, areas) if request.labels else {}
-        fresh = {key: site for key, site in sites.items() if key not in told and _free(site, places)}
-        told.update(fresh)
-        named = [(self.words(key), site) for key, site in fresh.items()] + notes.named
+        fresh = told.choose([key for key, site in sites.items() if _free(site, places)])
+        named = [(self.words(key), sites[key]) for key in fresh] + notes.named
         if areas is AREA_LABELS:
             named += _landmarks(scene, drawing, request.landmarks, self.size)
         measures: list[Measure] = []
@@ -178,7 +214,9 @@ class PanelMaker:
         own_scale = step.panel is not None and step.panel.at is not None
         bar = self.bar(drawing, self.size) if index == 0 or own_scale or request.bars else 0.0
         texts = self._texts(drawing, (*measures, *notes.measures), bar)
-        labels = place_labels(named, widths, self.size, LINE * self.style.label_size, taken, letter, texts)
+        line = LINE * self.style.label_size
+        labels = place_labels(named, widths, self.size, line, taken, letter, texts, told.places)
+        told.places.update({label.text: label for label in labels})
         goes_on = scene.goes_on and areas is AREA_LABELS
         host = PagePanel(
             *(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures)),
