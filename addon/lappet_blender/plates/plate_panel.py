@@ -19,7 +19,7 @@ _KINDS = {
     "arrow": "FORWARD",
     "pivot": "PIVOT_CURSOR",
 }
-_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"))
+_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"), ("hatched",))
 
 
 class LAPPET_UL_plate_panels(bpy.types.UIList):
@@ -114,6 +114,7 @@ class LAPPET_PT_plate(SidebarPanel, bpy.types.Panel):
         fields = with_fields(layout.column())
         for name in ("title", "style", "tone", "width", "columns", "text", "journal", "language", "view", "quantity"):
             fields.prop(plate, name)
+        fields.prop(plate, "plan_pen")
         fields.prop(plate, "marks")
         if plate.marks != "NONE":
             fields.prop(plate, "marks_spacing")
@@ -157,6 +158,8 @@ class LAPPET_PT_plate_panels(SidebarPanel, bpy.types.Panel):
             fields.prop(panel, "time")
         for name in ("caption", "view", "ghost"):
             fields.prop(panel, name)
+        if panel.ghost != "NONE":
+            fields.prop(panel, "ghost_filled")
         fields.prop_search(panel, "inset_of", plate, "panels")
         fields.prop(panel, "cropped")
         if panel.cropped:

@@ -21,7 +21,7 @@ from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import PlatePage, checked_texts
-from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker, ToldLabels
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep
@@ -29,6 +29,7 @@ from lappet.plates.plate_style import Shading, plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import PlateWords, plate_words
 from lappet.plates.title_card import title_card
+from lappet.plates.told_labels import ToldLabels
 
 WIDTH = 150.0  # mm: a page of this width fills the picture, so that text is read from the last row
 

@@ -35,6 +35,7 @@ class AreaKind(StrEnum):
     WALL_SKIN = "wall-skin"
     WALL_FAT = "wall-fat"
     WALL_DEEP = "wall-deep"
+    BONE = "bone"
     EYE = "eye"
     IRIS = "iris"
     PUPIL = "pupil"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from lappet.plates.annotations import AnnotationDrawer, DrawnAnnotations
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
 from lappet.plates.feature_lines import FeatureLine, LineKind
 from lappet.plates.filled_areas import AreaKind
-from lappet.plates.ghost_outline import ghost_outline
+from lappet.plates.ghost_outline import VARIANTS, ghost_areas, ghost_outline, variant_outlines
 from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
 from lappet.plates.measures import Measure, plan_measures
 from lappet.plates.panel_camera import with_camera
@@ -22,9 +22,11 @@ from lappet.plates.panel_drawing import (
     AREA_LABELS,
     SECTION_LABELS,
     PanelDrawing,
+    along,
     clipped,
     label_sites,
     panel_drawing,
+    wall_key,
 )
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_request import PlateRequest
@@ -33,14 +35,20 @@ from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
 from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
 from lappet.plates.printed_marks import SkinPrint
+from lappet.plates.pull_arrows import pull_arrows
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
+from lappet.plates.section_measures import dissection_depth
 from lappet.plates.skin_anchors import SkinAnchors
+from lappet.plates.told_labels import ToldLabels
+from lappet.plates.undermined_hatch import undermined_hatch
 
 LINE = 1.2  # times the size of a text
 _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
 _UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
 _KINDS = tuple(AreaKind)
 _PLANS = (StepKind.PLAN, StepKind.PLAN_EXCISION)
+_PULLED = (StepKind.RAISED, StepKind.RETRACTED)
+_HATCH = 1.8  # mm on paper between the lines over an area undermined
 _BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
 
 
@@ -100,43 +108,6 @@ class PagePanel:
     section: bool = False
 
 
-@dataclass(eq=False)
-class ToldLabels:
-    """Labels of the panels before.
-
-    Parameters
-    ----------
-    keys
-        Keys of the catalogue's labels that a panel has had.
-    places
-        Where each text was last.
-    riding
-        Whether a panel has the same labels as the one before, as far as what they name is still seen; otherwise it has
-        those that none before it had.
-    """
-
-    keys: set[str] = field(default_factory=set)
-    places: dict[str, PlacedLabel] = field(default_factory=dict)
-    riding: bool = False
-
-    def choose(self, keys: Sequence[str]) -> list[str]:
-        """Choose the labels of a panel.
-
-        Parameters
-        ----------
-        keys
-            Those of what is seen.
-
-        Returns
-        -------
-        list[str]
-            Those that it has.
-        """
-        chosen = [key for key in keys if (key in self.keys) is self.riding]
-        self.keys = set(chosen) if self.riding else {*self.keys, *chosen}
-        return chosen
-
-
 @dataclass(frozen=True, eq=False)
 class PanelMaker:
     """What all panels of a page are made with.
@@ -155,6 +126,8 @@ class PanelMaker:
         Its font.
     size
         Width and height of a panel in mm.
+    variants
+        The operations that are drawn over the panels, each before a camera.
     """
 
     request: PlateRequest
@@ -163,6 +136,7 @@ class PanelMaker:
     words: PlateWords
     font: PlateFont
     size: tuple[float, float]
+    variants: tuple[PlateScene, ...] = ()
 
     def panels(
         self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: ToldLabels
@@ -198,16 +172,14 @@ class PanelMaker:
         drawing, areas = self._drawing(scene, steps, k, insets)
         places = inset_places(len(insets), self.size, _taken(drawing))
         drawing = uncovered(drawing, places)
-        notes = self._notes(scene, steps, k, drawing) if areas is AREA_LABELS else DrawnAnnotations()
+        notes = self._notes(scene, steps, k, drawing)
         sites = label_sites(drawing, areas) if request.labels else {}
         fresh = told.choose([key for key, site in sites.items() if _free(site, places)])
-        named = [(self.words(key), sites[key]) for key in fresh] + notes.named
+        named = [(self.words(wall_key(key, scene.source.layers)), sites[key]) for key in fresh] + notes.named
         if areas is AREA_LABELS:
             named += _landmarks(scene, drawing, request.landmarks, self.size)
-        measures: list[Measure] = []
-        if step.kind in _PLANS and request.measures:
-            letters = [each.at for each in drawing.letters]
-            measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+            named += self._variant_names(drawing, told)
+        measures = self._measures(scene, step, drawing) if request.measures else []
         under = [each.at + _UNDER_TEXT for each in (*measures, *notes.measures)]
         taken = np.vstack([_taken(drawing), *under, *(_filling(place) for place in places)])
         widths = [self.font.width(text, self.style.label_size) for text, _ in named]
@@ -225,6 +197,25 @@ class PanelMaker:
             section=areas is SECTION_LABELS,
         )
         return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
+
+    def _measures(self, scene: PlateScene, step: PlateStep, drawing: PanelDrawing) -> list[Measure]:
+        """The program's own measures of a panel: of the plan, and the depth of dissection in a section."""
+        if self._cut(step) is not None:
+            return dissection_depth(drawing)
+        if step.kind not in _PLANS:
+            return []
+        letters = [each.at for each in drawing.letters]
+        return plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+
+    def _variant_names(self, drawing: PanelDrawing, told: ToldLabels) -> list[tuple[str, NDArray[np.float64]]]:
+        """The names of operations that are drawn over the panel's, each on the first panel that shows it."""
+        found = []
+        for row, kind in zip(self.request.overlaid, VARIANTS, strict=False):
+            own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
+            if own and row.title not in told.variants:
+                told.variants.add(row.title)
+                found.append((row.title, along(own)))
+        return found
 
     def _texts(self, drawing: PanelDrawing, measures: Sequence[Measure], bar: float) -> NDArray[np.float64]:
         """Boxes of letters, of measures and of the scale bar, (b, 4)."""
@@ -253,9 +244,9 @@ class PanelMaker:
             )
         )
         notes = DrawnAnnotations()
-        if step.panel is not None and cut is None:
+        if step.panel is not None:
             own = [each for each in request.annotations if step.panel.name in each.panels]
-            notes = AnnotationDrawer(scene, drawing, step.panel.name, ()).draw(own)
+            notes = AnnotationDrawer(scene, drawing, step.panel.name, (), cut).draw(own)
         site = None
         if step.panel is not None and step.panel.at is not None:
             at, _ = SkinAnchors(scene.source).at(np.array([step.panel.at]), host.step.time, last_place=True)
@@ -289,7 +280,7 @@ class PanelMaker:
         end = next((time for time in after if time > step.time), step.time)
         later = tuple(time for time in scene.source.frames if step.time < time <= end)
         name = step.panel.name if step.panel is not None else ""
-        return AnnotationDrawer(scene, drawing, name, later).draw(self.request.annotations)
+        return AnnotationDrawer(scene, drawing, name, later, self._cut(step)).draw(self.request.annotations)
 
     def bar(self, drawing: PanelDrawing, size: tuple[float, float]) -> float:
         """Choose the length of a panel's scale bar.
@@ -346,14 +337,22 @@ class PanelMaker:
             return self._section(scene, step, cut, self.size), SECTION_LABELS
         later = _later(scene, steps, index) if request.arrows else ()
         more = self._cut_lines(scene, steps, index, insets)
+        if request.hatched:
+            more += undermined_hatch(scene, step.time, _HATCH / scene.projection(self.size).scale)
         drawing = panel_drawing(
             *(scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more),
             skin_print=self._print,
         )
         if step.ghost is not None:
             ghost = clipped(ghost_outline(scene, step.ghost, self.size), self.size)
-            drawing = replace(drawing, strokes=(*drawing.strokes, *ghost))
-        return drawing, AREA_LABELS
+            filled = step.panel is not None and step.panel.ghost_filled
+            areas = ghost_areas(scene, step.ghost, self.size) if filled else ()
+            drawing = replace(drawing, strokes=(*drawing.strokes, *ghost), ghosts=areas)
+        if request.arrows and held and step.kind in _PULLED:
+            arrows = (*drawing.arrows, *pull_arrows(scene, step.time, drawing.projection))
+            drawing = replace(drawing, arrows=arrows)
+        variants = variant_outlines(scene, self.variants, request.overlaid, step, self.size)
+        return replace(drawing, strokes=(*drawing.strokes, *variants)), AREA_LABELS
 
 
 def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[float]:

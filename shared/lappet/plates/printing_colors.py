@@ -18,6 +18,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
 _LEVELS = 256
+_NEUTRAL = 4  # levels by which red, green and blue of what has no color may differ
 _PRINTER = "prtr"
 _INTENT = ImageCms.Intent.RELATIVE_COLORIMETRIC
 
@@ -76,9 +77,10 @@ class PrintingColors:
         made = ImageCms.applyTransform(Image.fromarray(display, "RGB"), self._to_inks)
         assert made is not None
         inks = np.array(made)
-        neutral = (display[..., 0] == display[..., 1]) & (display[..., 1] == display[..., 2])
+        # Where lines are smoothed against the paper, grey comes out a level or two off.
+        neutral = np.ptp(display, axis=-1) <= _NEUTRAL
         inks[neutral] = 0
-        inks[..., 3][neutral] = self._black[display[..., 0][neutral]]
+        inks[..., 3][neutral] = self._black[display[..., 1][neutral]]
         return Image.fromarray(inks, "CMYK")
 
     def of_color(self, color: tuple[float, ...]) -> tuple[float, ...]:
