@@ -83,7 +83,7 @@ class PanelCaption(click.ParamType):
 )
 @click.option("--language", type=click.Choice(_LANGUAGES), default="en", show_default=True)
 @click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
-@click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
+@click.option("--font", type=FILE, help="A font file (.ttf, .otf, .ttc).  [default: Source Sans Pro]")
 @click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process: a TIFF in CMYK, or a PDF/X-4.")
 @click.option("--transparent", is_flag=True, help="Leave the paper out.")
 @click.option(

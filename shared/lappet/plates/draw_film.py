@@ -19,7 +19,7 @@ from lappet.plates.page_ground import CLEAR, DARK, WHITE, PageGround
 from lappet.plates.painting import Painted, paint
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
-from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_font import plate_font
 from lappet.plates.plate_page import PlatePage, checked_texts
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
@@ -128,7 +128,7 @@ def draw_film(
     """
     check_film(path, options.size, options.transparent)
     _check(path, options)
-    words, font = plate_words(options.language, options.own), PlateFont(options.font)
+    words, font = plate_words(options.language, options.own), plate_font(options.font, options.language)
     style = plate_style(options.style, options.tone)
     below = 1.5 + LINE * style.caption_size  # mm of the caption
     source = open_cache(cache, limits)

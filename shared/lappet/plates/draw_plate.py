@@ -17,7 +17,7 @@ from lappet.plates.painting import page_paintings
 from lappet.plates.planned_panels import plate_panels
 from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache, plate_of
 from lappet.plates.plate_files import check_format, write_plate
-from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_font import plate_font
 from lappet.plates.plate_page import plate_page
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import LEAST_TEXT, PlateStyle, plate_style
@@ -151,7 +151,7 @@ def draw_plate(
         kept = from_template(read_procedure(caches[0], limits=limits), options.template)
     if kept is not None:
         options = of_plate(options, kept)
-    words, font = plate_words(options.language, options.own), PlateFont(options.font)
+    words, font = plate_words(options.language, options.own), plate_font(options.font, options.language)
     options, style, journal = _kept_rules(options, tuple(pictures))
     dpi = options.dpi or _DPI
     rows = tuple(_row(source, len(caches) > 1, options, kept, notes) for source in sources)
