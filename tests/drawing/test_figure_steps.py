@@ -117,7 +117,11 @@ def test_chosen_frames_are_captioned_by_their_number_and_newest_event() -> None:
 
 
 def test_no_caption_holds_the_name_of_an_event() -> None:
-    events = [StepEvent("Incision", "limb_7", 2, 2), StepEvent("Hook", "tip_7", 4, 8), StepEvent("Suture", "s_7", 9, 11)]
+    events = [
+        StepEvent("Incision", "limb_7", 2, 2),
+        StepEvent("Hook", "tip_7", 4, 8),
+        StepEvent("Suture", "s_7", 9, 11),
+    ]
     frames = [float(t) for t in range(1, 15)]
     told = [*story_steps(events, frames, lambda time: -abs(time - 6.0)), *step_captions(events, frames)]
     assert not any("7" in f"{step.caption.removeprefix(f'Frame {step.frame:g}')} {step.detail}" for step in told)

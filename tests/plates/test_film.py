@@ -11,15 +11,17 @@ import numpy as np
 import pytest
 from imageio_ffmpeg import get_ffmpeg_exe
 from PIL import Image
+from shapely import LineString, box
 
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
+from lappet.plates.boundary_labels import PlacedLabel
 from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_panel
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import chapters, film_frames
 from lappet.plates.plate_cache import chosen_steps
 from lappet.plates.plate_font import PlateFont
-from lappet.plates.plate_panel import PanelMaker
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep, StepKind
@@ -133,14 +135,24 @@ def test_labels_of_a_film_neither_jump_nor_flicker(cache: SkinCache, font: Plate
     maker = PanelMaker(request, (scene,), plate_style("schematic"), plate_words("en"), font, size)
     told = ToldLabels()
     panels = [film_panel(maker, number, frame, told) for number, frame in enumerate(frames)]
-    pairs, jumps = 0, 0
+    pairs = 0
     for (_, one), (second, other) in pairwise(zip(frames, panels, strict=True)):
         was = {label.text: label for label in one.labels}
         held = second.step == second.caption
         assert held or {label.text for label in other.labels} <= set(was)
         for label in other.labels:
-            if label.text in was:
+            if label.text in was and not held:
                 pairs += 1
-                jumps += bool(np.abs(label.port - was[label.text].port).max() > 1e-6)
-    assert pairs >= len(panels)  # it has labels on the way
-    assert jumps <= 0.1 * pairs  # where one would cover something or cross another it has to go
+                jumps = np.abs(label.port - was[label.text].port).max() > 1e-6
+                assert not jumps or is_in_the_way(was[label.text], other, font), f"{label.text} at {second.step.time}"
+    assert pairs >= 4  # it has labels on the way
+
+
+def is_in_the_way(label: PlacedLabel, panel: PagePanel, font: PlateFont) -> bool:
+    """Whether a label would stand over something that is drawn, were it where it was."""
+    size = plate_style("schematic").label_size
+    inner, half = label.port[0], 0.5 * LINE * size
+    outer = inner + (-1.0 if label.left else 1.0) * (font.width(label.text, size) + 0.4 * LINE * size)
+    text = box(min(inner, outer), label.port[1] - half, max(inner, outer), label.port[1] + half)
+    drawn = [LineString(stroke.points) for stroke in panel.drawing.strokes]
+    return any(each.intersects(text) for each in drawn)

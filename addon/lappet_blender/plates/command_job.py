@@ -69,7 +69,10 @@ class CommandJob:
         return self.state in ("cache", "drawing")
 
     def cancel(self, wait: float = 0.0) -> None:
-        """End it and what it has started; what the command had begun to write stays as the command leaves it. wait: seconds to wait for it."""
+        """End it and what it has started; what it had begun to write stays as it leaves it.
+
+        wait: seconds to wait for it.
+        """
         self._cancelled.set()
         with self._lock:
             if self._process is not None and self._process.poll() is None:

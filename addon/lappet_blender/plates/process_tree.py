@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Sequence
+from contextlib import suppress
 
 _WINDOWS = os.name == "nt"
 
@@ -32,7 +33,5 @@ def end_tree(process: subprocess.Popen[str], at_once: bool = False) -> None:
             call = ("taskkill", "/T", "/F", "/PID", str(process.pid))
             subprocess.run(call, capture_output=True, check=False)
         return
-    try:
+    with suppress(ProcessLookupError):  # all of it has ended
         os.killpg(process.pid, signal.SIGKILL if at_once else signal.SIGTERM)
-    except ProcessLookupError:
-        pass  # all of it has ended

@@ -16,7 +16,12 @@ DONE = {"Incision": "Incised", "Excision": "Excised", "Undermine": "Undermined"}
 HELD = ("Hook", "Retractor", "Suture")
 _WORDS = {"Incision": "incision", "Excision": "excision", "Hook": "hook", "Retractor": "retractor"}
 # What a frame is told by: the kind of the newest event.
-_LATEST = {**{kind: word.lower() for kind, word in DONE.items()}, "Hook": "hooked", "Retractor": "held", "Suture": "sutured"}
+_LATEST = {
+    **{kind: word.lower() for kind, word in DONE.items()},
+    "Hook": "hooked",
+    "Retractor": "held",
+    "Suture": "sutured",
+}
 
 
 @dataclass(frozen=True)

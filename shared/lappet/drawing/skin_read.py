@@ -24,7 +24,8 @@ from lappet.usd.stage import pxr
 class SkinCache(SkinSource):
     """An open skin cache; positions are in mm whatever the stage's unit.
 
-    `fps` is the number of time codes in a second; `scenery` is what is shown around the tissue, `bones` what lies below it.
+    `fps` is the number of time codes in a second; `scenery` is what is shown around the tissue, `bones` what
+    lies below it.
 
     Parameters
     ----------

@@ -236,7 +236,6 @@ class AnnotationDrawer:
         return np.vstack([paper, *strokes])
 
 
-
 def _unit(way: NDArray[np.float64]) -> NDArray[np.float64]:
     unit: NDArray[np.float64] = way / max(float(np.linalg.norm(way)), 1e-12)
     return unit

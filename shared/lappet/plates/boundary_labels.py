@@ -4,8 +4,8 @@ Each label takes one of the ports at equal distances on the two sides of the pan
 leaders: Bekos et al. 2007, "Boundary labeling: models and efficient algorithms"). The assignment is solved exactly, as
 an integer program: first without conditions, then with those that its solution breaks, until it breaks none.
 
-Labels that a panel before has keep their places: leaving one costs more than a shorter leader saves, and less than a text
-over what is drawn. They move where they would cross another or cover something.
+Labels that a panel before has keep their places: leaving one costs more than a shorter leader saves, and less than a
+text over what is drawn. They move where they would cross another or cover something.
 """
 
 from __future__ import annotations

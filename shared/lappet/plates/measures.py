@@ -165,7 +165,11 @@ def dimension(paper: NDArray[np.float64], away: float) -> tuple[NDArray[np.float
     along = way / max(float(np.linalg.norm(way)), 1e-12)
     side = float(np.sign(away)) * np.array([-along[1], along[0]])
     ends = paper + abs(away) * side
-    heads = [ends[k] + sign * (_HEAD[0] * along + turn * _HEAD[1] * side) for k, sign in ((0, 1), (1, -1)) for turn in (1, -1)]
+    heads = [
+        ends[k] + sign * (_HEAD[0] * along + turn * _HEAD[1] * side)
+        for k, sign in ((0, 1), (1, -1))
+        for turn in (1, -1)
+    ]
     course = [paper[0], ends[0] + side, ends[0], heads[0], ends[0], heads[1], ends[0]]
     course += [ends[1], heads[2], ends[1], heads[3], ends[1], ends[1] + side, paper[1]]
     return np.array(course), ends.mean(axis=0)

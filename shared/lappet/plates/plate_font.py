@@ -58,7 +58,7 @@ class PlateFont:
     Parameters
     ----------
     path
-        A TrueType or OpenType file; None for Source Sans Pro. Of a file of several faces the one for simplified Chinese.
+        A TrueType or OpenType file; None for Source Sans Pro. Of several faces the one for simplified Chinese.
 
     Raises
     ------

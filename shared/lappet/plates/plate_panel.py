@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString
 
 from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.annotations import AnnotationDrawer, DrawnAnnotations
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
-from lappet.plates.feature_lines import FeatureLine, LineKind
+from lappet.plates.feature_lines import FeatureLine
 from lappet.plates.filled_areas import AreaKind
 from lappet.plates.ghost_outline import VARIANTS, ghost_areas, ghost_outline, variant_outlines
 from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
@@ -39,13 +38,13 @@ from lappet.plates.pull_arrows import pull_arrows
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
 from lappet.plates.section_measures import dissection_depth
 from lappet.plates.skin_anchors import SkinAnchors
+from lappet.plates.taken_places import taken_places
 from lappet.plates.told_labels import ToldLabels
 from lappet.plates.undermined_hatch import undermined_hatch
 
 LINE = 1.2  # times the size of a text
 _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
 _UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
-_KINDS = tuple(AreaKind)
 _PLANS = (StepKind.PLAN, StepKind.PLAN_EXCISION)
 _PULLED = (StepKind.RAISED, StepKind.RETRACTED)
 _HATCH = 1.8  # mm on paper between the lines over an area undermined
@@ -170,7 +169,7 @@ class PanelMaker:
         scene = self._scene(row, step, self.size)
         insets = request.rows[row].insets(k)
         drawing, areas = self._drawing(scene, steps, k, insets)
-        places = inset_places(len(insets), self.size, _taken(drawing))
+        places = inset_places(len(insets), self.size, taken_places(drawing))
         drawing = uncovered(drawing, places)
         notes = self._notes(scene, steps, k, drawing)
         sites = label_sites(drawing, areas) if request.labels else {}
@@ -181,7 +180,7 @@ class PanelMaker:
             named += self._variant_names(drawing, told)
         measures = self._measures(scene, step, drawing) if request.measures else []
         under = [each.at + _UNDER_TEXT for each in (*measures, *notes.measures)]
-        taken = np.vstack([_taken(drawing), *under, *(_filling(place) for place in places)])
+        taken = np.vstack([taken_places(drawing), *under, *(_filling(place) for place in places)])
         widths = [self.font.width(text, self.style.label_size) for text, _ in named]
         own_scale = step.panel is not None and step.panel.at is not None
         bar = self.bar(drawing, self.size) if index == 0 or own_scale or request.bars else 0.0
@@ -378,18 +377,6 @@ def _landmarks(
         if inside and depth[0] <= drawing.depth_at(paper[0]) + _ON_SKIN:
             found.append((label, paper[0]))
     return found
-
-
-def _taken(drawing: PanelDrawing) -> NDArray[np.float64]:
-    """Places that labels should leave free: wounds, marks, threads and letters."""
-    kinds = drawing.pixels.kind[::6, ::6]
-    rows, columns = np.nonzero((kinds > _KINDS.index(AreaKind.SKIN)) & (kinds < _KINDS.index(AreaKind.EYE)))
-    found = [np.stack([drawing.pixels.x[::6][columns], drawing.pixels.y[::6][rows]], axis=1)]
-    keep_off = (LineKind.PLAN, LineKind.THREAD, LineKind.WOUND_EDGE, LineKind.INSTRUMENT, LineKind.UNDERMINED)
-    own = [LineString(stroke.points).segmentize(1.0) for stroke in drawing.strokes if stroke.kind in keep_off]
-    found += [np.array(line.coords) for line in own]
-    found += [letter.at[None] for letter in drawing.letters]
-    return np.vstack(found)
 
 
 def _free(sites: NDArray[np.float64], places: Sequence[InsetPlace]) -> bool:

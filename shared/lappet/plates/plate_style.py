@@ -119,8 +119,18 @@ _PENS = {
     LineKind.MARK_DOT: Pen(0.75, "#7a5aa6"),
 }
 # The surgeon's marking pen: gentian violet.
-_VIOLET = {kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED, LineKind.UNDERMINED_HATCH)}
-_ON_SKIN = (LineKind.PLAN, LineKind.UNDERMINED, LineKind.UNDERMINED_HATCH, LineKind.MARK, LineKind.MARK_DOT, LineKind.SKIN_LINE)
+_VIOLET = {
+    kind: replace(_PENS[kind], color="#4b2a7d")
+    for kind in (LineKind.PLAN, LineKind.UNDERMINED, LineKind.UNDERMINED_HATCH)
+}
+_ON_SKIN = (
+    LineKind.PLAN,
+    LineKind.UNDERMINED,
+    LineKind.UNDERMINED_HATCH,
+    LineKind.MARK,
+    LineKind.MARK_DOT,
+    LineKind.SKIN_LINE,
+)
 # What a painting shows itself.
 PAINTED = frozenset(
     {LineKind.CONTOUR, LineKind.WOUND_EDGE, LineKind.WALL_FOOT, LineKind.THREAD, LineKind.INSTRUMENT, LineKind.VESSEL}
@@ -171,9 +181,7 @@ _PLAN_PENS: dict[PlanPen, tuple[float, tuple[float, ...]]] = {
 }
 
 
-def plate_style(
-    name: str, tone: int | None = None, text: float = LEAST_TEXT, plan_pen: PlanPen = ""
-) -> PlateStyle:
+def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT, plan_pen: PlanPen = "") -> PlateStyle:
     """Choose a style.
 
     Parameters

@@ -32,7 +32,19 @@ _FINE = 0.5 * POINT  # the least width of a line in print
 _SITE = 0.35  # mm: radius of the dot at which a leader ends
 _HEAD = 2.2  # mm: length of an arrow's head
 _DIGITS = 3
-_LAYERS = ("shading", "areas", "ghosts", "hatching", "lines", "threads", "instruments", "arrows", "measures", "letters", "labels")
+_LAYERS = (
+    "shading",
+    "areas",
+    "ghosts",
+    "hatching",
+    "lines",
+    "threads",
+    "instruments",
+    "arrows",
+    "measures",
+    "letters",
+    "labels",
+)
 
 
 def plate_svg(

@@ -71,7 +71,9 @@ def _inked(pdf: pikepdf.Pdf) -> bool:
         return False
     contents = [*pdf.pages, *colored_streams(pdf, "/Form")]
     others = {*SPACES, *COLORS, "sh"}
-    return not any(str(each.operator) in others for content in contents for each in pikepdf.parse_content_stream(content))
+    return not any(
+        str(each.operator) in others for content in contents for each in pikepdf.parse_content_stream(content)
+    )
 
 
 def _still(pdf: pikepdf.Pdf) -> bool:
@@ -88,7 +90,9 @@ def _still(pdf: pikepdf.Pdf) -> bool:
 
 def _plain_states(pdf: pikepdf.Pdf) -> bool:
     """No graphics state has a transfer function or a halftone."""
-    states = [each for each in pdf.objects if isinstance(each, pikepdf.Dictionary) and each.get("/Type") == "/ExtGState"]
+    states = [
+        each for each in pdf.objects if isinstance(each, pikepdf.Dictionary) and each.get("/Type") == "/ExtGState"
+    ]
     return not any("/TR" in each or "/HTP" in each or each.get("/TR2", "/Default") != "/Default" for each in states)
 
 

@@ -1,8 +1,8 @@
 """A PDF as printers want it: PDF/X-4 (ISO 15930-7), in the inks of a printing process.
 
-The typesetter's PDF has its fonts embedded and its colors in sRGB and grey by ICC profiles. Here its colors become inks, and
-it gets what PDF/X-4 asks for: an output intent with the process's profile, the box to which the page is trimmed, and
-metadata that say so. Its tags stay, so that it remains PDF/UA-1.
+The typesetter's PDF has its fonts embedded and its colors in sRGB and grey by ICC profiles. Here its colors become
+inks, and it gets what PDF/X-4 asks for: an output intent with the process's profile, the box to which the page is
+trimmed, and metadata that say so. Its tags stay, so that it remains PDF/UA-1.
 """
 
 from __future__ import annotations

@@ -198,4 +198,3 @@ def _pieces(edges: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
     links = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(corners), len(corners)))
     count, piece = connected_components(links, directed=False)
     return [piece[pairs[:, 0]] == k for k in range(count)]
-

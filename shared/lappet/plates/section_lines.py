@@ -1,4 +1,4 @@
-"""The lines of a cross-section: outline of the tissue, level of dissection, bone, threads, hooks and vessels near it."""
+"""The lines of a cross-section: tissue, level of dissection, bone, threads, hooks and vessels."""
 
 from __future__ import annotations
 

@@ -63,9 +63,7 @@ def dissection_depth(drawing: PanelDrawing) -> list[Measure]:
     return [] if found is None else [found]
 
 
-def _across(
-    drawing: PanelDrawing, at: NDArray[np.float64], kinds: tuple[LineKind, ...], text: str
-) -> Measure | None:
+def _across(drawing: PanelDrawing, at: NDArray[np.float64], kinds: tuple[LineKind, ...], text: str) -> Measure | None:
     """The shortest way from a place to lines of some kinds."""
     lines = [each.points for each in drawing.strokes if each.kind in kinds and len(each.points) > 1]
     if not lines:

@@ -48,8 +48,8 @@ class PlateAnnotation:
     kind
         "label": a text with a leader. "length": a length along the skin through the anchors; "distance": the straight
         distance of two; "width": the same, drawn beside them with two arrows; "depth": from a point of the skin to the
-        underside, in cross-sections. "angle": the angle at the second of three. "arrow": the way of an anchor from the panel to the
-        next one, or from one anchor to another. "pivot": the point about which a flap turns.
+        underside, in cross-sections. "angle": the angle at the second of three. "arrow": the way of an anchor from the
+        panel to the next one, or from one anchor to another. "pivot": the point about which a flap turns.
     anchors
         Points on the skin at rest in mm; each is followed through the frames.
     text
