@@ -19,6 +19,7 @@ _WARM = (0.735, 0.455, 0.335)  # linear; without a tone of the Monk scale
 _BLUSH = (1.0, 0.83, 0.78)  # what blood under the skin takes off green and blue
 _VESSEL = (0.26, 0.018, 0.022, 1.0)
 _GLOSS, _LEAST_GLOSS, _LIGHT_SKIN = 0.36, 0.3, 0.2  # of light skin; the least share of it; linear grey of light skin
+_DARK = 0.15  # linear grey, of the seventh tone of the Monk scale
 _WARM_GLOSS = (0.32, 0.55)  # what the sheen of the darkest skin lacks of green and blue
 _PORES, _RELIEF = 11.0, 7.5  # per cm
 _INSIDE = 0.35  # of the light that comes back has been in the skin
@@ -30,6 +31,11 @@ def linear(color: str) -> tuple[float, float, float]:
     shares = [int(color[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
     low = [share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares]
     return low[0], low[1], low[2]
+
+
+def is_dark(tone: str) -> bool:
+    """Whether a tone #rrggbb is so dark that dark threads are not seen on it."""
+    return bool(tone) and sum(linear(tone)) / 3.0 < _DARK
 
 
 def painted_skin(tone: str = "") -> bpy.types.Material:

@@ -360,6 +360,7 @@ class ProblemCode(StrEnum):
     COMPARE_NO_CACHE = auto()
     PLATE_SUFFIX = auto()
     PLATE_OVERLAY = auto()
+    PLATE_CAMERA = auto()
     PLATE_WIDTH = auto()
     PLATE_LABELS = auto()
     PLATE_LABEL_WIDE = auto()

@@ -45,7 +45,7 @@ def chinese_font(folders: Iterable[Path] | None = None, names: Sequence[str] = _
     Path or None
         The file; None where there is none.
     """
-    found = {}
+    found: dict[str, Path] = {}
     for folder in font_folders() if folders is None else folders:
         for path in folder.rglob("*.[ot]t[fc]") if folder.is_dir() else ():
             found.setdefault(path.name, path)
