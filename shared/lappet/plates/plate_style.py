@@ -162,7 +162,11 @@ _GREY = {
     AreaKind.WALL_FAT: "#efefef",
     AreaKind.WALL_DEEP: "#a8a8a8",
     AreaKind.BONE: "#f4f4f4",
-    **_EYES,
+    AreaKind.EYE: "#f6f6f6",
+    AreaKind.IRIS: "#6b6b6b",
+    AreaKind.PUPIL: "#181818",
+    AreaKind.TEETH: "#efefef",
+    AreaKind.HOLLOW: "#454545",
 }
 STYLES = {
     "ink": PlateStyle("ink", Shading.NONE, True, _BLACK, _GREY, _INK),
