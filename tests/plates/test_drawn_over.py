@@ -115,9 +115,7 @@ def test_a_filled_ghost_is_translucent_and_lies_where_the_wound_was(cache: SkinC
     after, opened = page.panels
     assert after.drawing.ghosts
     low, high = (np.concatenate([ring for area in after.drawing.ghosts for ring in area.rings]) for _ in range(2))
-    wound = np.concatenate(
-        [ring for area in opened.drawing.areas if area.kind.value != "skin" for ring in area.rings]
-    )
+    wound = np.concatenate([ring for area in opened.drawing.areas if area.kind.value != "skin" for ring in area.rings])
     assert low.min(axis=0) == pytest.approx(wound.min(axis=0), abs=0.5)
     assert high.max(axis=0) == pytest.approx(wound.max(axis=0), abs=0.5)
     root = ET.fromstring(plate_svg(page, plate_style("schematic"), font, 72))

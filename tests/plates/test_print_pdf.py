@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -22,7 +21,7 @@ from lappet.plates.print_checks import CHECKS, print_faults
 from lappet.plates.printing_colors import PrintingColors
 from refusals import refuses
 
-# Of Debian's libgs-common: a profile of web offset printing.
+# Of Debian's ghostscript: a profile of web offset printing.
 PROFILE = Path("/usr/share/color/icc/ghostscript/default_cmyk.icc")
 DISPLAY = PROFILE.with_name("srgb.icc")
 
@@ -148,7 +147,6 @@ def test_colors_come_back_from_the_inks_as_the_profile_sees_them(colors: Printin
     assert np.abs(found - wanted).max() <= 12
 
 
-@pytest.mark.skipif(shutil.which("gs") is None, reason="Ghostscript is not installed")
 def test_ghostscript_separates_a_plate_of_ink_into_black_alone(
     page: PlatePage, font: PlateFont, tmp_path: Path
 ) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import click
 
@@ -155,7 +155,7 @@ def plate(
             template=template or "",
             text=text,
             journal=journal or "",
-            plan_pen=plan_pen or "",
+            plan_pen=cast("Any", plan_pen or ""),
             overlay=overlay,
         )
         drawn = draw_plate(caches, [picture], options, limits, lambda line: click.echo(line, err=True))

@@ -157,8 +157,8 @@ def draw_film(
         told = ToldLabels()
         for number, frame in enumerate(frames):
             picture = Path(folder) / f"{number:05d}.png"
-            below = paintings[number].read_bytes() if paintings else None
-            _draw(makers[number], number, frame, told, options, picture, below)
+            painting = paintings[number].read_bytes() if paintings else None
+            _draw(makers[number], number, frame, told, options, picture, painting)
             pictures.append((picture, frame.seconds))
             progress(total - len(frames) + number + 1, total)
         parts = [(begin + start, begin + end, caption(step, words)) for start, end, step in chapters(frames)]
