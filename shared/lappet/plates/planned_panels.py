@@ -46,8 +46,8 @@ def plate_panels(source: SkinSource, plate: Plate, notes: list[Problem]) -> tupl
     Raises
     ------
     RefusedError
-        If a frame is not there, a camera looks from below the skin, none of the steps is there, an inset has no panel, a crop has no size, or an annotation
-        names a panel that the plate does not have.
+        If a frame is not there, a camera looks from below the skin, none of the steps is there, an inset has no panel,
+        a crop has no size, or an annotation names a panel that the plate does not have.
     """
     _check(plate)
     normal = surgical_field(source, (source.frames[0],)).normal

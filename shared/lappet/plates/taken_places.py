@@ -33,14 +33,6 @@ def taken_places(drawing: PanelDrawing) -> NDArray[np.float64]:
     kinds = drawing.pixels.kind[::6, ::6]
     rows, columns = np.nonzero((kinds > _KINDS.index(AreaKind.SKIN)) & (kinds < _KINDS.index(AreaKind.EYE)))
     found = [np.stack([drawing.pixels.x[::6][columns], drawing.pixels.y[::6][rows]], axis=1)]
-    keep_off = (
-        LineKind.PLAN,
-        LineKind.THREAD,
-        LineKind.WOUND_EDGE,
-        LineKind.INSTRUMENT,
-        LineKind.UNDERMINED,
-        LineKind.DISSECTION,
-    )
     own = [LineString(stroke.points).segmentize(1.0) for stroke in drawing.strokes if stroke.kind in _KEEP_OFF]
     found += [np.array(line.coords) for line in own]
     found += [letter.at[None] for letter in drawing.letters]
