@@ -212,7 +212,20 @@ def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def whole_parts(course: NDArray[np.float64], longest: float) -> list[FeatureLine]:
-    """The parts of a line that are there and not torn, of two points at least."""
+    """Find the parts of a line that are there and not torn, of two points at least.
+
+    Parameters
+    ----------
+    course
+        The line in mm, shape (k, 3); NaN where its tissue is gone.
+    longest
+        Length in mm of a piece between two points that is not torn.
+
+    Returns
+    -------
+    list[FeatureLine]
+        The parts.
+    """
     lengths = np.linalg.norm(np.diff(course, axis=0), axis=1)
     joined = np.concatenate([[False], np.where(np.isfinite(lengths), lengths, np.inf) <= longest, [False]])
     edges = np.flatnonzero(np.diff(joined.astype(np.int8)))

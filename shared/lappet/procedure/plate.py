@@ -101,13 +101,13 @@ class PlatePanel:
         Name of the panel in whose corner it stands, "" for a place of its own.
     ghost
         The step whose outlines are drawn through, "" for none.
-    ghost_filled
-        Whether what that step's cuts lay open, or its plan encloses, is filled as well, translucent.
     look_from, look_up
         The direction from the tissue to a camera of its own, and which way is up in the picture; None: as `view` says.
     section_at, section_normal
         The plane in which the panel is cut, whatever the plate's is: a point at rest in mm and a normal; None: as the
         plate says.
+    ghost_filled
+        Whether what the ghost's cuts lay open, or its plan encloses, is filled as well, translucent.
     """
 
     name: str
