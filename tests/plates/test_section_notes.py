@@ -12,7 +12,12 @@ from lappet.plates.annotations import AnnotationDrawer, DrawnAnnotations
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.measures import dimension
 from lappet.plates.plate_cache import chosen_steps
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_page import plate_page
+from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import PlateScene, plate_scene
+from lappet.plates.plate_style import plate_style
+from lappet.plates.plate_words import plate_words
 from lappet.plates.section_drawing import section_drawing, section_projection
 from lappet.plates.section_lines import section_strokes
 from lappet.plates.section_measures import dissection_depth
@@ -104,3 +109,13 @@ def test_a_dimension_lies_beside_its_points_and_is_as_long() -> None:
     assert course[0] == pytest.approx([0.0, 0.0])
     assert course[-1] == pytest.approx([10.0, 0.0])
     assert np.ptp(course[:, 0]) == pytest.approx(10.0)
+
+
+def test_a_section_has_a_scale_bar_of_its_own(cache: SkinCache) -> None:
+    steps = chosen_steps(cache)[:2]
+    request = PlateRequest((PlateRow(cache, steps),), {}, section=(0.0, 0.0, 0.0, 1.0, 0.0, 0.0))
+    plan, section = plate_page(request, plate_style("ink"), plate_words("en"), PlateFont()).panels
+    assert section.section
+    assert plan.bar > 0.0
+    assert section.bar > 0.0
+    assert section.drawing.projection.scale != pytest.approx(plan.drawing.projection.scale)

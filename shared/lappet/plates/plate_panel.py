@@ -182,7 +182,7 @@ class PanelMaker:
         under = [each.at + _UNDER_TEXT for each in (*measures, *notes.measures)]
         taken = np.vstack([taken_places(drawing), *under, *(_filling(place) for place in places)])
         widths = [self.font.width(text, self.style.label_size) for text, _ in named]
-        own_scale = step.panel is not None and step.panel.at is not None
+        own_scale = areas is SECTION_LABELS or (step.panel is not None and step.panel.at is not None)
         bar = self.bar(drawing, self.size) if index == 0 or own_scale or request.bars else 0.0
         texts = self._texts(drawing, (*measures, *notes.measures), bar)
         line = LINE * self.style.label_size
