@@ -34,6 +34,7 @@ _PIXEL = 0.24  # mm on paper
 _FAR = 1e5  # mm: seen from so far a section is drawn without perspective
 _ON_SKIN = 0.5  # mm
 _FILL = 0.8  # of a panel's width that the operation takes up
+_LEAST_SPAN = 15.0  # mm: a section across one straight cut shows what lies about it
 _KINDS = tuple(AreaKind)
 
 
@@ -74,7 +75,7 @@ def section_projection(
     along = (near if len(near) else field.points) @ right
     middle = field.center - plane.beyond(field.center) * normal
     middle = middle + (0.5 * (along.min() + along.max()) - middle @ right) * right
-    scale = _FILL * size[0] / max(float(np.ptp(along)), 1.0)
+    scale = _FILL * size[0] / max(float(np.ptp(along)), _LEAST_SPAN)
     if about is not None:
         middle, scale = about - plane.beyond(about) * normal, size[0] / across
     view = Viewpoint(middle + _FAR * normal, np.stack([right, up, normal]), _FAR)
