@@ -19,7 +19,7 @@ _KINDS = {
     "arrow": "FORWARD",
     "pivot": "PIVOT_CURSOR",
 }
-_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"))
+_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"), ("hatched",))
 
 
 class LAPPET_UL_plate_panels(bpy.types.UIList):
@@ -144,7 +144,7 @@ class LAPPET_PT_plate_page(SidebarPanel, bpy.types.Panel):
         if plate is None:
             return
         fields = with_fields(self.layout.column())
-        for name in ("tone", "width", "columns", "text", "journal", "quantity", "marks"):
+        for name in ("tone", "width", "columns", "text", "journal", "quantity", "plan_pen", "marks"):
             fields.prop(plate, name)
         if plate.marks != "NONE":
             fields.prop(plate, "marks_spacing")
@@ -183,6 +183,8 @@ class LAPPET_PT_plate_panels(SidebarPanel, bpy.types.Panel):
             fields.prop(panel, "time")
         for name in ("caption", "view", "ghost"):
             fields.prop(panel, name)
+        if panel.ghost != "NONE":
+            fields.prop(panel, "ghost_filled")
         fields.prop_search(panel, "inset_of", plate, "panels")
         fields.prop(panel, "cropped")
         if panel.cropped:

@@ -365,6 +365,8 @@ class ProblemCode(StrEnum):
     FLAP_BY_HAND = auto()
     COMPARE_NO_CACHE = auto()
     PLATE_SUFFIX = auto()
+    PLATE_OVERLAY = auto()
+    PLATE_CAMERA = auto()
     PLATE_WIDTH = auto()
     PLATE_LABELS = auto()
     PLATE_LABEL_WIDE = auto()
