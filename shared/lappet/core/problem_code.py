@@ -620,6 +620,7 @@ class ProblemCode(StrEnum):
     EXPORT_FRAMES_MISSING = auto()
     EXPORT_DRIFT = auto()
     EXPORT_DRIFT_FOUND = auto()
+    EXPORT_PICTURE = auto()
 
     # texts/lessons.toml
     LESSON_FILE = auto()

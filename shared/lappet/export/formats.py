@@ -87,7 +87,15 @@ EXPORTERS: tuple[Exporter, ...] = (
         _usdz,
         options=frozenset({"frames", "tolerance_mm", "bones", "pause", "instruments"}),
     ),
-    *(Exporter(suffix, "USD in one file, without what is planned and measured", _usd) for suffix in (".usdc", ".usda")),
+    *(
+        Exporter(
+            suffix,
+            "USD without what is planned and measured, with its pictures, camera and lights beside it",
+            _usd,
+            options=frozenset({"one_file", "photo", "fps"}),
+        )
+        for suffix in (".usdc", ".usda")
+    ),
     Exporter(".stl", "the tissue's surface in one frame, for printing", _meshes, options=_STILL),
     Exporter(".obj", "the tissue's surface in one frame, with colors of its vertices", _meshes, options=_STILL),
     Exporter(".ply", "the tissue's surface in one frame, with colors of its faces", _meshes, options=_STILL),
