@@ -25,6 +25,7 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--language", type=click.Choice(_LANGUAGES), help="Language a lesson opens in.  [default: en]")
 @click.option("--title", help="Title of a lesson.  [default: the name of the cache]")
 @click.option("--quantized", is_flag=True, default=None, help="Write a smaller .glb, by whole numbers.")
+@click.option("--meshopt", is_flag=True, default=None, help="Write a much smaller .glb, compressed by meshopt.")
 @click.option(
     "--tolerance-mm",
     type=click.FloatRange(min=0.0, min_open=True),

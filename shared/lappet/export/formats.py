@@ -79,7 +79,7 @@ EXPORTERS: tuple[Exporter, ...] = (
         ".glb",
         "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
         _glb,
-        options=frozenset({"frames", "quantized"}),
+        options=frozenset({"frames", "quantized", "meshopt"}),
     ),
     Exporter(
         ".usdz",
@@ -186,5 +186,5 @@ def check_place(target: Path) -> None:
     folder = target.absolute().parent
     if not folder.is_dir():
         raise refused(ProblemCode.EXPORT_FOLDER, target, folder)
-    if target.is_dir() or not os.access(folder, os.W_OK):
+    if (target.is_dir() and target.suffix) or not os.access(folder, os.W_OK):
         raise refused(ProblemCode.EXPORT_PLACE, target, folder)
