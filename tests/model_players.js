@@ -22,7 +22,7 @@ function shownByThree(root) {
     const { color, map, name } = Array.isArray(mesh.material) ? mesh.material[0] : mesh.material;
     let named = mesh;
     while (named.parent && !/epoch|threads|hooks|bed/i.test(named.name)) named = named.parent;
-    (found[named.name] ??= []).push({ points, material: name, color: color.toArray(), picture: Boolean(map?.image) });
+    (found[named.name] ??= []).push({ points, material: name, color: color.toArray(), picture: Boolean(map) });
   });
   return found;
 }

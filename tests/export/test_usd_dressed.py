@@ -131,7 +131,9 @@ def test_a_file_alone_and_another_rate_are_written_where_they_are_asked_for(cach
     assert stage.GetPrimAtPath(SKIN).GetVariantSet("look").GetVariantSelection() == "natural"
 
 
-@pytest.mark.parametrize(("name", "data"), [("none.png", None), ("text.png", b"no"), ("scan.tif", b"\x89PNG\r\n\x1a\n")])
+@pytest.mark.parametrize(
+    ("name", "data"), [("none.png", None), ("text.png", b"no"), ("scan.tif", b"\x89PNG\r\n\x1a\n")]
+)
 def test_a_texture_that_is_no_picture_is_refused_before_anything_is_written(
     cache: SkinCache, tmp_path: Path, name: str, data: bytes | None
 ) -> None:
@@ -217,7 +219,8 @@ display = pointer(egl.eglGetPlatformDisplay(0x31DD, pointer(None), pointer(None)
 config, count = pointer(), ctypes.c_int()
 if not display or not egl.eglInitialize(display, None, None) or not egl.eglBindAPI(0x30A2):
     sys.exit(77)
-egl.eglChooseConfig(display, ints(0x3033, 1, 0x3040, 8, 0x3025, 24, 0x3038), ctypes.byref(config), 1, ctypes.byref(count))
+wanted = ints(0x3033, 1, 0x3040, 8, 0x3025, 24, 0x3038)
+egl.eglChooseConfig(display, wanted, ctypes.byref(config), 1, ctypes.byref(count))
 surface = pointer(egl.eglCreatePbufferSurface(display, config, ints(0x3057, 320, 0x3056, 180, 0x3038)))
 context = pointer(egl.eglCreateContext(display, config, None, ints(0x3098, 4, 0x30FB, 5, 0x30FD, 2, 0x3038)))
 if not context:

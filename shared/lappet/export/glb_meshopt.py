@@ -66,8 +66,8 @@ class CompressedViews:
                 self.views.append({**view, "byteOffset": self._put(own)})
                 continue
             mode = "TRIANGLES" if view.get("target") == INDICES else "ATTRIBUTES"
-            told = {"buffer": 0, "byteOffset": self._put(packed), "byteLength": len(packed), "byteStride": stride}
-            told = {**told, "count": len(own) // stride, "mode": mode}
+            told: dict[str, Any] = {"buffer": 0, "byteOffset": self._put(packed), "byteLength": len(packed)}
+            told = {**told, "byteStride": stride, "count": len(own) // stride, "mode": mode}
             self.plain += -self.plain % 4
             self.views.append({**view, "buffer": 1, "byteOffset": self.plain, "extensions": {MESHOPT: told}})
             self.plain += len(own)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lappet.drawing.framing import LENS, SENSOR, SurgicalField, half_angles, surgical_field, viewpoint
 from lappet.drawing.skin_read import SkinCache
+from lappet.export.moving_skin import bed_shape
 from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr, save_layer
 
@@ -56,7 +57,10 @@ def write_studio(cache: SkinCache, frames: Sequence[float], target: Path) -> Non
     field = surgical_field(cache, tuple(frames))
     _write_camera(stage, field)
     _write_lights(stage, field)
-    lowest = min(float((cache.positions(each, each.frames[0]) @ field.normal).min()) for each in cache.epochs)
+    placed = [cache.positions(each, each.frames[0]) for each in cache.epochs]
+    bed = bed_shape(cache, cache.frames)
+    placed += [bed.positions.reshape(-1, 3)] if bed else []
+    lowest = min(float((points @ field.normal).min()) for points in placed)
     if not cache.scenery:  # a body has no paper below it
         _write_sheet(stage, field, lowest - _GAP)
     layer.comment = "Camera, lights and background for a procedure. Leave the layer out to light it yourself."

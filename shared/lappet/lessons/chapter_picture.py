@@ -86,4 +86,4 @@ def _joined(
                 squares[faces.ravel()] = shape.grid[faces.ravel()]
         grid.append(squares)
         count += len(own)
-    return tuple(np.concatenate(each) for each in (points, normals, grid, triangles, colors))  # type: ignore[return-value]
+    return tuple(np.concatenate(each) for each in (points, normals, grid, triangles, colors))
