@@ -19,7 +19,9 @@ function shownByThree(root) {
     for (let k = 0; k < mesh.geometry.attributes.position.count; k++) {
       points.push(...mesh.getVertexPosition(k, place).applyMatrix4(mesh.matrixWorld).applyMatrix4(back).toArray());
     }
-    const { color, map, name } = Array.isArray(mesh.material) ? mesh.material[0] : mesh.material;
+    const materials = [mesh.material].flat();
+    const [{ color, name }] = materials;
+    const map = materials.some((each) => each.map);
     let named = mesh;
     while (named.parent && !/epoch|threads|hooks|bed/i.test(named.name)) named = named.parent;
     (found[named.name] ??= []).push({ points, material: name, color: color.toArray(), picture: Boolean(map) });
