@@ -46,13 +46,14 @@ def test_a_site_has_a_page_for_each_chapter_and_an_index_without_a_fault(plan_fo
     write_lesson_plan(plan_folder / "lesson.toml", site)  # in place of the first
     links = "Array.from(document.querySelectorAll('a'), (each) => each.getAttribute('href'))"
     drawn = "Array.from(document.images, (each) => each.naturalWidth)"
+    first = "li:first-child a"
     done = opened(
         site / "index.html",
         *(
             ("evaluate", links),
             ("evaluate", drawn),
             ("axe", None),
-            ("click", "li:first-child a"),
+            ("click", first),
             ("ready", None),
             ("text", "h1"),
         ),
