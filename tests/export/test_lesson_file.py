@@ -173,3 +173,19 @@ def test_a_missing_viewer_is_refused_with_what_to_do(
 ) -> None:
     monkeypatch.setattr(viewer_program, "NAME", "not_built.js")
     assert refusal((skin_cache,), tmp_path / "lesson.html") == ProblemCode.EXPORT_VIEWER
+
+
+def test_forty_frames_of_twenty_thousand_vertices_take_less_than_5_mb(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in {"FRAMES": tuple(range(1, 41)), "INCISED": 6, "LIFTED": 24, "SUTURED": 34}.items():
+        monkeypatch.setattr(synthetic, name, value)
+    cache = SkinCache(synthetic.write_cache(tmp_path, step=0.9))
+    assert (len(cache.frames), len(cache.rest(cache.epochs[1])) > 20_000) == (40, True)
+    (lesson,) = export(ExportRequest((cache.path,), tmp_path / "lesson.html"))
+    assert lesson.stat().st_size < 5e6
+    read = ReadLesson.of(lesson)
+    for index in (0, 20, 39):
+        time = cache.frames[index]
+        off = read.frame(index) - cache.positions(cache.epoch_at(time), time)
+        assert np.linalg.norm(off, axis=1).max() < 0.05

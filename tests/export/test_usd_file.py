@@ -36,7 +36,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> SkinCache:
 
 @pytest.fixture(scope="module")
 def alone(cache: SkinCache, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    (path,) = export(ExportRequest((cache.path,), cache.path.with_name("whole.usdc")))
+    (path,) = export(ExportRequest((cache.path,), cache.path.with_name("whole.usdc"), {"one_file": True}))
     return Path(shutil.copy(path, tmp_path_factory.mktemp("alone")))
 
 
@@ -72,7 +72,7 @@ def test_threads_and_hooks_are_meshes_with_their_materials_shown_while_they_act(
 
 def test_a_cache_of_an_earlier_version_is_exported_too(tmp_path: Path) -> None:
     old = synthetic.write_cache(tmp_path, step=4.0)
-    (path,) = export(ExportRequest((old,), tmp_path / "whole.usdc"))
+    path, *_ = export(ExportRequest((old,), tmp_path / "whole.usdc"))
     stage = Usd.Stage.Open(str(path))
     threads = stage.GetPrimAtPath("/Procedure/Skin/Instruments/Threads")
     material = UsdShade.MaterialBindingAPI(threads).ComputeBoundMaterial()[0]

@@ -200,29 +200,80 @@ def test_a_second_visit_goes_on_where_the_first_ended(scorm_file: Path, tmp_path
     assert "Right." in done.results[-1]
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_a_student_who_answers_well_has_passed_and_stays_so(scorm_file: Path, tmp_path: Path) -> None:
+    second = [("evaluate", f"{IN_FRAME}.lappetLesson.open(1).then(() => 1)"), FRAME_READY]
+    listed = [in_frame("page.querySelector('.question details').open = true")]
+    answer = [*listed, in_frame("page.querySelectorAll('.candidates button')[1].click()")]
+    done = opened(
+        site(scorm_file, tmp_path),
+        *(FRAME_READY, *seen(1, 2, 3), *chosen(1), *second, *seen(0, 2, 3), *answer, ("wait", 1000)),
+        *(("evaluate", VALUES), ("evaluate", "leave()"), ("evaluate", VALUES), ("evaluate", "calls.at(-1)")),
+        *(("evaluate", "location.reload()"), ("wait", 500), FRAME_READY, ("wait", 1000), ("evaluate", VALUES)),
+        ("evaluate", "refused"),
+    )
+    complete, left, again = (each for each in done.results if isinstance(each, dict))
+    assert (complete["lesson_status"], complete["score.raw"]) == ("passed", "100")
+    assert left["exit"] == ""  # over, and not put aside
+    assert "LMSFinish" in done.results
+    assert again["lesson_status"] == "passed"
+    assert done.results[-1] == []
+    assert done.console == []
+
+
 PLAYER = """<!doctype html><meta charset="utf-8"><title>Platform</title><script src="player/main.bundle.js"></script>
 <div id="place"></div>
 <script>
 window.heard = [];
 new H5PStandalone.H5P(document.getElementById("place"), {
   h5pJsonPath: "/package", frameJs: "/player/frame.bundle.js", frameCss: "/player/styles/h5p.css", id: "lesson",
+  saveFreq: 100, contentUserData: [{ state: localStorage.getItem("state") ?? undefined }],
 }).then(() => H5P.externalDispatcher.on("xAPI", (event) => heard.push(event.data.statement)));
+// What a platform does now and then, and when the student leaves.
+window.keep = () => localStorage.setItem("state", JSON.stringify(
+  document.querySelector("iframe.h5p-iframe").contentWindow.H5P.instances[0].getCurrentState()));
 </script>
 """
+
+
+OUTER = "document.querySelector('iframe.h5p-iframe')?.contentDocument"
+INNER = f"{OUTER}?.querySelector('.h5p-lappet iframe')?.contentWindow"
+
+
+def platform(h5p_file: Path, folder: Path) -> None:
+    zipfile.ZipFile(h5p_file).extractall(folder / "package")
+    shutil.copytree(module("h5p-standalone") / "dist", folder / "player")
+    (folder / "index.html").write_text(PLAYER, encoding="utf-8")
+
+
+def inside(actions: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
+    """Actions in the page that H5P shows."""
+    return [(name, script.replace(IN_FRAME, INNER) if isinstance(script, str) else script) for name, script in actions]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_a_second_visit_in_h5p_goes_on_where_the_first_ended(h5p_file: Path, tmp_path: Path) -> None:
+    platform(h5p_file, tmp_path)
+    standing = ("evaluate", f"{IN_FRAME}.lappetLesson.standing()")
+    done = opened(
+        tmp_path,
+        *inside([FRAME_READY, standing, *chosen(1), *seen(2), ("wait", 500), standing]),
+        *(("evaluate", "keep()"), ("evaluate", "location.reload()"), ("wait", 500)),
+        *inside([FRAME_READY, standing, ("evaluate", f"{IN_FRAME}.document.querySelector('.feedback').innerText")]),
+    )
+    begun, left, again = (each for each in done.results if isinstance(each, dict))
+    assert begun["a"] == ["-", "-"]
+    assert (left["c"], left["s"], left["a"]) == (0, 2, ["1", "-"])
+    assert again == left
+    assert "Right." in done.results[-1]
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_a_run_time_of_h5p_shows_the_lesson_and_hears_statements(h5p_file: Path, tmp_path: Path) -> None:
-    zipfile.ZipFile(h5p_file).extractall(tmp_path / "package")
-    shutil.copytree(module("h5p-standalone") / "dist", tmp_path / "player")
-    (tmp_path / "index.html").write_text(PLAYER, encoding="utf-8")
-    outer = "document.querySelector('iframe.h5p-iframe')?.contentDocument"
-    inner = f"{outer}?.querySelector('.h5p-lappet iframe')?.contentWindow"
-
-    def inside(actions: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
-        return [(name, script.replace(IN_FRAME, f"{inner}")) for name, script in actions]
-
+    platform(h5p_file, tmp_path)
     second = [("evaluate", f"{IN_FRAME}.lappetLesson.open(1).then(() => 1)"), FRAME_READY]
     listed = in_frame("page.querySelector('.question details').open = true")
     answer = in_frame("page.querySelectorAll('.candidates button')[1].click()")

@@ -17,8 +17,10 @@ from lappet.export.lesson_procedure import LessonScene
 from lappet.lessons.lesson_places import LessonPlaces
 from lappet.lessons.plan_template import plan_template
 from lappet.lessons.write_lesson_plan import write_lesson_plan
+from lappet.usd.stage import write_procedure
 from lesson_plans import changed
 from lesson_reader import ReadLesson
+from small_procedure import small_procedure
 
 Code = ProblemCode
 
@@ -69,6 +71,25 @@ def test_nothing_is_solved_for_a_plan_that_is_wrong(plan_folder: Path) -> None:
 
     (found,) = refusal(plan, solve=solve)
     assert found.code == Code.LESSON_PLACE
+
+
+def test_places_that_a_procedure_does_not_name_are_refused_before_it_is_solved(tmp_path: Path) -> None:
+    write_procedure(small_procedure(), tmp_path / "procedure.usda")
+    chapter = 'title = "One"\n[[chapter]]\ntitle = "One"\nprocedure = "procedure.usda"\n'
+    marks = "".join(
+        f'[[chapter.hotspot]]\nplace = "{place}"\ntitle = "T"\ntext = "t"\n'
+        for place in ("hook nowhere", "suture stitch", "landmark top", "landmark corner", "corner a")
+    )
+    plan = tmp_path / "lesson.toml"
+    plan.write_text(chapter + marks, encoding="utf-8")
+
+    def solve(*_: object) -> None:
+        raise AssertionError
+
+    found = refusal(plan, solve=solve)
+    assert {each.code for each in found} == {Code.LESSON_PLACE}
+    assert {each.value for each in found} == {"hook nowhere", "landmark top"}
+    assert "corner a" in found[0].remedy
 
 
 def test_a_procedure_is_solved_with_its_spacing(plan_folder: Path, tmp_path: Path) -> None:

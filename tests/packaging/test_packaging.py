@@ -48,7 +48,7 @@ def test_no_system_package_is_named_twice() -> None:
 
 
 def test_an_unknown_extra_is_refused_by_name() -> None:
-    known = "dev, docs, examples, film, plates, render, report, test"
+    known = "compress, dev, docs, examples, film, plates, render, report, test"
     with pytest.raises(ValueError, match=f"no extra 'rendr'; it has {known}"):
         requirements(["rendr"])
 

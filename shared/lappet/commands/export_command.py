@@ -25,6 +25,7 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--language", type=click.Choice(_LANGUAGES), help="Language a lesson opens in.  [default: en]")
 @click.option("--title", help="Title of a lesson.  [default: the name of the cache]")
 @click.option("--quantized", is_flag=True, default=None, help="Write a smaller .glb, by whole numbers.")
+@click.option("--meshopt", is_flag=True, default=None, help="Write a much smaller .glb, compressed by meshopt.")
 @click.option(
     "--tolerance-mm",
     type=click.FloatRange(min=0.0, min_open=True),
@@ -33,6 +34,13 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--bones", type=click.IntRange(min=1), help="Bones that each part of a .usdz may have.  [default: 200]")
 @click.option("--pause", type=click.FloatRange(0.0, 60.0), help="Seconds on each step of a .usdz.  [default: 1.0]")
 @click.option("--instruments/--no-instruments", default=None, help="Threads and hooks in a .usdz.  [default: with]")
+@click.option("--one-file", is_flag=True, default=None, help="Leave pictures, camera and lights of USD out.")
+@click.option("--photo", type=FILE, help="The texture of the mesh that the tissue was made of: a look of USD.")
+@click.option(
+    "--fps",
+    type=click.FloatRange(1.0, 240.0),
+    help="Time codes in a second of USD.  [default: 24, or the cache's, of which frames are whole ones]",
+)
 @reading_options
 @click.pass_context
 def export(
@@ -44,7 +52,7 @@ def export(
     .zip, .h5p: the same as a package of SCORM 1.2 or of H5P, for a learning platform.
     .glb: glTF with every frame, the steps as animations.
     .usdz: for augmented reality, every frame by bones, at real size.
-    .usdc, .usda: USD in one file, without the procedure.
+    .usdc, .usda: USD without the procedure, with its pictures, camera and lights beside it.
     .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.
     .csv: forces, landmarks and lengths, a row for each frame.
     .abc, .fbx: written by Blender, where bpy is installed.

@@ -14,7 +14,7 @@ from lappet.foreign.limits import ReadLimits
 
 @click.command()
 @click.argument("files", type=FILE, nargs=-1, required=True)
-@click.option("-o", "--output", "target", type=FILE, help="The lesson (.html), or its package (.zip, .h5p).")
+@click.option("-o", "--output", "target", type=FILE, help="The lesson (.html), its package (.zip, .h5p), or a folder.")
 @click.option(
     "--template", type=FILE, metavar="PLAN", help="Write a plan to begin with, for the caches that are given."
 )
@@ -26,7 +26,8 @@ def lesson(
     """Write a lesson of several procedures: chapters with text, hotspots and questions.
 
     FILES is the plan of the lesson in TOML; with --template, the skin caches that the plan is for. -o says by its
-    suffix what is written: .html is a page for a browser, .zip a package of SCORM 1.2, .h5p one of H5P.
+    suffix what is written: .html is a page for a browser, .zip a package of SCORM 1.2, .h5p one of H5P. Without a
+    suffix it is a folder, a site with a page for each chapter.
     """
     if (target is None) == (template is None):
         raise click.UsageError("Give -o for a lesson, or --template for a plan to begin with.")

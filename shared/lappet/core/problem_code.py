@@ -628,9 +628,12 @@ class ProblemCode(StrEnum):
     EXPORT_FRAMES_MISSING = auto()
     EXPORT_DRIFT = auto()
     EXPORT_DRIFT_FOUND = auto()
+    EXPORT_PICTURE = auto()
+    EXPORT_NO_MESHOPT = auto()
 
     # texts/lessons.toml
     LESSON_FILE = auto()
+    LESSON_SITE = auto()
     LESSON_SUFFIX = auto()
     LESSON_EMPTY = auto()
     LESSON_KEY = auto()

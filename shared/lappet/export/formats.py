@@ -79,7 +79,7 @@ EXPORTERS: tuple[Exporter, ...] = (
         ".glb",
         "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
         _glb,
-        options=frozenset({"frames", "quantized"}),
+        options=frozenset({"frames", "quantized", "meshopt"}),
     ),
     Exporter(
         ".usdz",
@@ -87,7 +87,15 @@ EXPORTERS: tuple[Exporter, ...] = (
         _usdz,
         options=frozenset({"frames", "tolerance_mm", "bones", "pause", "instruments"}),
     ),
-    *(Exporter(suffix, "USD in one file, without what is planned and measured", _usd) for suffix in (".usdc", ".usda")),
+    *(
+        Exporter(
+            suffix,
+            "USD without what is planned and measured, with its pictures, camera and lights beside it",
+            _usd,
+            options=frozenset({"one_file", "photo", "fps"}),
+        )
+        for suffix in (".usdc", ".usda")
+    ),
     Exporter(".stl", "the tissue's surface in one frame, for printing", _meshes, options=_STILL),
     Exporter(".obj", "the tissue's surface in one frame, with colors of its vertices", _meshes, options=_STILL),
     Exporter(".ply", "the tissue's surface in one frame, with colors of its faces", _meshes, options=_STILL),
@@ -178,5 +186,5 @@ def check_place(target: Path) -> None:
     folder = target.absolute().parent
     if not folder.is_dir():
         raise refused(ProblemCode.EXPORT_FOLDER, target, folder)
-    if target.is_dir() or not os.access(folder, os.W_OK):
+    if (target.is_dir() and target.suffix) or not os.access(folder, os.W_OK):
         raise refused(ProblemCode.EXPORT_PLACE, target, folder)

@@ -14,16 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.durable import write_whole
+from lappet.export.glb_meshopt import MESHOPT, CompressedViews
 
 BYTE, SHORT, USHORT, UINT, FLOAT = 5120, 5122, 5123, 5125, 5126
 VERTICES, INDICES = 34962, 34963
+_BYTES = {BYTE: 1, SHORT: 2, USHORT: 2, UINT: 4, FLOAT: 4}
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
 
 class GlbContainer:
-    """The arrays of a file that is being made; `accessors` and `views` are what the file says of them."""
+    """The arrays of a file that is being made; `accessors` and `views` are what the file says of them.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    compressed
+        Whether they are compressed by meshopt.
+    """
+
+    def __init__(self, compressed: bool = False) -> None:
+        self.compressed = compressed
         self.accessors: list[dict[str, Any]] = []
         self.views: list[dict[str, Any]] = []
         self._data = bytearray()
@@ -109,7 +118,7 @@ class GlbContainer:
         array = np.where(np.linalg.norm(array, axis=1, keepdims=True) > least, array, np.float32(0.0))
         used = np.flatnonzero(array.any(axis=1))
         short = len(array) < 65535
-        if len(used) * (12 + (2 if short else 4)) >= array.nbytes:
+        if self.compressed or len(used) * (12 + (2 if short else 4)) >= array.nbytes:
             return self.floats(array, VERTICES, box)
         index = self._accessor(array, FLOAT, None, box)
         self._only(index, array, used)
@@ -156,7 +165,8 @@ class GlbContainer:
         """
         used = np.flatnonzero(values.any(axis=1))
         size = 2 if len(values) < 65535 else 4
-        if len(used) * (3 * values.itemsize + size) >= 4 * values.nbytes // 3:
+        # Compression makes less of zeros than of the indices of what is not zero.
+        if self.compressed or len(used) * (3 * values.itemsize + size) >= 4 * values.nbytes // 3:
             return self.integers(values, VERTICES, unit)
         index = self._whole_numbers(values, None, unit)
         self._only(index, values, used)
@@ -196,6 +206,16 @@ class GlbContainer:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
+    def _strides(self) -> dict[int, int]:
+        """The bytes of each element, of the views that accessors name."""
+        found = {}
+        for accessor in self.accessors:
+            if "bufferView" in accessor:
+                columns = {name: count for count, name in _TYPES.items()}[accessor["type"]]
+                view = self.views[accessor["bufferView"]]
+                found[accessor["bufferView"]] = view.get("byteStride", columns * _BYTES[accessor["componentType"]])
+        return found
+
     def write(self, document: dict[str, Any], path: Path) -> None:
         """Write the file; it appears whole or not at all.
 
@@ -211,13 +231,19 @@ class GlbContainer:
         OSError
             If it cannot be written.
         """
-        data = bytes(self._data) + b"\0" * (-len(self._data) % 4)
+        views, data, buffers = self.views, bytes(self._data), []
+        if self.compressed:
+            packed = CompressedViews(self.views, data, self._strides())
+            views, data = packed.views, bytes(packed.data)
+            plain = {"byteLength": packed.plain, "extensions": {MESHOPT: {"fallback": True}}}
+            buffers = [plain] if packed.plain else []
         said = {
             **document,
             "accessors": self.accessors,
-            "bufferViews": self.views,
-            "buffers": [{"byteLength": len(self._data)}],
+            "bufferViews": views,
+            "buffers": [{"byteLength": len(data)}, *buffers],
         }
+        data += b"\0" * (-len(data) % 4)
         text = json.dumps(said, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data

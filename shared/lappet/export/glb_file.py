@@ -23,6 +23,7 @@ from lappet.drawing.surface_look import SKIN_LOOK, SurfaceLook
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import chosen_frames, exported_cache
 from lappet.export.glb_container import VERTICES, GlbContainer
+from lappet.export.glb_meshopt import MESHOPT, meshopt
 from lappet.export.glb_quantized import EXTENSION, QuantizedShape, glb_error
 from lappet.export.grid_tile import grid_tile
 from lappet.export.moving_shape import MovingShape
@@ -43,7 +44,7 @@ def write_glb(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames` and `quantized`.
+        The cache, the file and the options `frames`, `quantized` and `meshopt`, which is quantized too.
 
     Returns
     -------
@@ -57,6 +58,9 @@ def write_glb(request: ExportRequest) -> list[Path]:
     OSError
         If the file cannot be written.
     """
+    packed = bool(request.options.get("meshopt"))
+    if packed:
+        meshopt()
     cache = exported_cache(request.caches[0], request.limits)
     frames = chosen_frames(cache, request.options.get("frames"))
     try:
@@ -68,8 +72,8 @@ def write_glb(request: ExportRequest) -> list[Path]:
         spans = named_spans(cache, frames)
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error
-    quantized = bool(request.options.get("quantized"))
-    document = _GlbDocument(frames, cache.fps, cache.path.stem, quantized)
+    quantized = packed or bool(request.options.get("quantized"))
+    document = _GlbDocument(frames, cache.fps, cache.path.stem, quantized, packed)
     if not quantized:
         document.write(shapes, spans, request.target)
         return [request.target]
@@ -113,9 +117,9 @@ def named_spans(cache: SkinCache, frames: Sequence[float]) -> list[tuple[str, tu
 class _GlbDocument:
     """A file that is being made. Every mesh is, as long as no animation plays, as in its last frame."""
 
-    def __init__(self, frames: tuple[float, ...], fps: float, title: str, quantized: bool) -> None:
+    def __init__(self, frames: tuple[float, ...], fps: float, title: str, quantized: bool, packed: bool) -> None:
         self._frames, self._fps, self._title, self._quantized = frames, fps, title, quantized
-        self._container = GlbContainer()
+        self._container = GlbContainer(packed)
         self._materials: dict[str, int] = {}
         self._looks: list[dict[str, Any]] = []
         self._images: list[dict[str, Any]] = []
@@ -155,7 +159,8 @@ class _GlbDocument:
             document["images"], document["textures"] = self._images, [{"source": 0, "sampler": 0}]
             document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}]
         if self._quantized:
-            document["extensionsUsed"] = document["extensionsRequired"] = [EXTENSION]
+            used = [EXTENSION, *([MESHOPT] if self._container.compressed else [])]
+            document["extensionsUsed"] = document["extensionsRequired"] = used
         self._container.write(document, path)
 
     def _mesh_node(self, number: int, count: int) -> int:

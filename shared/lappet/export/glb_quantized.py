@@ -5,8 +5,6 @@ Positions have 16 bits, normals 8. A mesh's node says by its translation and sca
 
 from __future__ import annotations
 
-import json
-import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.export.glb_container import VERTICES, GlbContainer
+from lappet.export.glb_meshopt import unpacked
 from lappet.export.moving_shape import MovingShape
 
 EXTENSION = "KHR_mesh_quantization"
@@ -137,10 +136,8 @@ def glb_error(path: Path, shapes: Sequence[MovingShape]) -> float:
     float
         The greatest distance in any frame, in mm.
     """
-    data = path.read_bytes()
-    length = struct.unpack_from("<I", data, 12)[0]
-    document = json.loads(data[20 : 20 + length])
-    buffer = memoryview(data)[28 + length :]
+    document, data = unpacked(path.read_bytes())
+    buffer = memoryview(data)
     nodes = {each["mesh"]: each for each in document["nodes"] if "mesh" in each}
     worst = 0.0
     for number, shape in enumerate(shapes):

@@ -37,7 +37,7 @@ def skin_shapes(cache: SkinCache, frames: Sequence[float]) -> list[MovingShape]:
     list[MovingShape]
         The shapes, named as the epochs are.
     """
-    scale = _grid_scale(cache)
+    scale = grid_scale(cache)
     shapes = []
     for epoch in cache.epochs:
         own = tuple(time for time in frames if time in epoch.frames)
@@ -80,8 +80,19 @@ def _skin_shape(
     )
 
 
-def _grid_scale(cache: SkinCache) -> NDArray[np.float64]:
-    """Millimetres on the skin in a unit of its texture coordinates, shape (2,)."""
+def grid_scale(cache: SkinCache) -> NDArray[np.float64]:
+    """Measure what a unit of the skin's texture coordinates is.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Millimetres on the skin in a unit of u and of v, shape (2,).
+    """
     first = cache.epochs[0]
     if first.st is None:
         return np.ones(2)

@@ -1,4 +1,4 @@
-"""A piece of skin as a picture that repeats: its color, faintly mottled, with the grid of 5 mm printed on it."""
+"""A piece of skin as a picture that repeats: its color, faintly mottled, with or without the grid of 5 mm on it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ _BLOTCH, _PORE = 4.0, 0.5  # mm: how large spots are
 _SHARE = np.array([0.012, 0.022, 0.022])  # of the color, by which they differ: redness is more even than lightness
 
 
-def write_skin_tile(path: Path) -> None:
+def write_skin_tile(path: Path, grid: bool = True) -> None:
     """Write the picture, a PNG in sRGB.
 
     Parameters
     ----------
     path
         The file.
+    grid
+        Whether the grid is printed on it.
 
     Raises
     ------
@@ -32,7 +34,7 @@ def write_skin_tile(path: Path) -> None:
     """
     noise = 0.6 * _noise(_BLOTCH, 1) + 0.8 * _noise(_PORE, 2)
     linear = np.array(SKIN_LOOK.color) * (1.0 + noise[..., None] * _SHARE)
-    linear = grid_ink(linear, SQUARES)
+    linear = grid_ink(linear, SQUARES) if grid else linear
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear.clip(1e-9) ** (1 / 2.4) - 0.055)
     write_png(np.rint(255.0 * encoded.clip(0.0, 1.0)).astype(np.uint8), path)
 

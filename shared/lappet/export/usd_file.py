@@ -1,11 +1,13 @@
-"""`lappet export CACHE.usdc -o X.usdc`: USD in one file without the procedure, for programs that only show it.
+"""`lappet export CACHE.usdc -o X.usdc`: USD without the procedure, dressed, for programs that only show it.
 
 What is planned and what is measured is not there, and threads and hooks are meshes: Blender's importer gives curves no
-material.
+material. Beside the file lie the pictures of its looks and a layer with camera, lights and background.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,63 +15,151 @@ import numpy as np
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import exported_cache
 from lappet.export.moving_shape import MovingShape
+from lappet.export.moving_skin import grid_scale
 from lappet.export.moving_tubes import instrument_shapes
+from lappet.export.usd_pictures import SkinPicture, check_picture, picture_files, show_picture, write_pictures
+from lappet.export.usd_studio import write_studio
 from lappet.geometry.vectors import bounds
 from lappet.output.drawn_instruments import ROOT as INSTRUMENTS
-from lappet.output.dressed_cache import MEASURED, PLANS, TABLES
-from lappet.output.preview_materials import SKIN_ROOT, bind
+from lappet.output.drawn_instruments import add_variants
+from lappet.output.dressed_cache import MEASURED, PLANS, TABLES, is_tissue
+from lappet.output.named_steps import operation_steps
+from lappet.output.preview_materials import LOOK_ROOT, SKIN_ROOT, bind, write_look_variants
 from lappet.output.shown_frames import show_at
 from lappet.usd.arrays import vectors
 from lappet.usd.stage import pxr, save_layer
 
 _NAMES = {"threads": "Threads", "hooks": "SkinHooks"}
 _KEPT = ("Steps",)  # of the tables: they are what the operation is told by
+_SCENE_FPS = 24.0  # of a new scene in Blender, whose importer takes a time code as a frame of the scene
 
 
 def write_usd(request: ExportRequest) -> list[Path]:
-    """Write a solved procedure as USD that needs no other file.
+    """Write a solved procedure as USD that needs no procedure.
 
     Parameters
     ----------
     request
-        The cache and the file.
+        The cache, the file and the options `one_file`, `photo` and `fps`.
 
     Returns
     -------
     list[Path]
-        The file.
+        The file, and unless it is to be one file alone its pictures and the layer of its studio.
 
     Raises
     ------
     RefusedError
-        If the cache cannot be read or shown, or is the file itself.
+        If the cache cannot be read or shown, or is the file itself, or the picture is none.
     OSError
-        If the file cannot be written.
+        If a file cannot be written.
     """
+    photo: Path | None = request.options.get("photo")
+    if photo is not None:
+        check_picture(photo)
     cache = exported_cache(request.caches[0], request.limits)
     if request.target.resolve() == cache.path.resolve():
         raise refused(ProblemCode.EXPORT_ITSELF, request.target, cache.path)
     try:
         shapes = instrument_shapes(cache, cache.frames)
+        steps = [step.frame for step in operation_steps(cache)]
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error
+    alone = bool(request.options.get("one_file"))
+    pictures = [] if alone else write_pictures(request.target, grid_scale(cache), photo)
+    layer = _layer(cache, shapes, pictures, request.options.get("fps"))
+    studio = request.target.with_name(f"{request.target.stem}_studio.usda")
+    if not alone:
+        write_studio(cache, steps or cache.frames[-1:], studio)
+        layer.subLayerPaths = [f"./{studio.name}"]
+    layer.comment = "Written by lappet export from a skin cache."
+    save_layer(layer, request.target)
+    return [request.target] if alone else [request.target, studio, *picture_files(request.target, pictures)]
+
+
+def scene_rate(fps: float) -> float:
+    """Choose the time codes in a second: those of a new scene in Blender, where frames fall on whole ones of them.
+
+    Parameters
+    ----------
+    fps
+        Frames in a second of the cache.
+
+    Returns
+    -------
+    float
+        24, or the cache's own.
+    """
+    times = _SCENE_FPS / fps
+    return _SCENE_FPS if times >= 1.0 and math.isclose(times, round(times)) else fps
+
+
+def _layer(cache: SkinCache, shapes: Sequence[MovingShape], pictures: list[SkinPicture], fps: float | None) -> Any:
+    """The stage of one layer: flat, without what is planned and measured, with its looks."""
     usd = pxr()
-    layer = usd.Usd.Stage.Open(str(cache.path)).Flatten()
+    rate = scene_rate(cache.fps) if fps is None else fps
+    layer = _flat(cache, rate)
     stage = usd.Usd.Stage.Open(layer)
     for path in (*PLANS, *(f"{SKIN_ROOT}/{name}" for name in (*TABLES, *MEASURED) if name not in _KEPT)):
         stage.RemovePrim(path)
+    times = rate / cache.fps
     for shape in shapes:
-        _write_mesh(stage, shape, cache.frames)
-    layer.comment = "Written by lappet export from a skin cache."
-    save_layer(layer, request.target)
-    return [request.target]
+        _write_mesh(stage, shape, cache.frames, times)
+    _retime_steps(stage, times)
+    if stage.GetPrimAtPath(INSTRUMENTS):
+        add_variants(stage)
+    if stage.GetPrimAtPath(f"{LOOK_ROOT}/Skin"):
+        _write_looks(stage, cache, pictures, times)
+    return layer
 
 
-def _write_mesh(stage: Any, shape: MovingShape, frames: tuple[float, ...]) -> None:
+def _flat(cache: SkinCache, rate: float) -> Any:
+    """The cache and its procedure as one layer; USD moves the samples where time codes are others."""
+    usd = pxr()
+    root = usd.Sdf.Layer.CreateAnonymous(".usda")
+    root.subLayerPaths = [str(cache.path.resolve())]
+    stage = usd.Usd.Stage.Open(root)
+    own = cache.stage
+    stage.SetTimeCodesPerSecond(rate)
+    stage.SetFramesPerSecond(rate)
+    times = rate / cache.fps
+    stage.SetStartTimeCode(own.GetStartTimeCode() * times)
+    stage.SetEndTimeCode(own.GetEndTimeCode() * times)
+    usd.UsdGeom.SetStageMetersPerUnit(stage, usd.UsdGeom.GetStageMetersPerUnit(own))
+    usd.UsdGeom.SetStageUpAxis(stage, usd.UsdGeom.GetStageUpAxis(own))
+    root.defaultPrim = "Procedure"
+    return stage.Flatten()
+
+
+def _retime_steps(stage: Any, times: float) -> None:
+    steps = stage.GetPrimAtPath(f"{SKIN_ROOT}/Steps")
+    for step in steps.GetChildren() if steps and times != 1.0 else ():
+        for name in ("lappet:start", "lappet:end"):
+            step.GetAttribute(name).Set(step.GetAttribute(name).Get() * times)
+
+
+def _write_looks(stage: Any, cache: SkinCache, pictures: Sequence[SkinPicture], times: float) -> None:
+    tissue = [prim.GetName() for prim in stage.GetPrimAtPath(LOOK_ROOT).GetChildren() if is_tissue(prim.GetName())]
+    strain: dict[str, dict[float, Any]] = {}
+    for epoch in cache.epochs:
+        for time in epoch.frames:
+            values = cache.scalar(epoch, "strain", time)
+            if values is not None:
+                strain.setdefault(epoch.name, {})[time * times] = np.asarray(values, np.float32)
+    shown = {each.look: _shows(stage, each) for each in pictures}
+    write_look_variants(stage, tissue, strain, shown)
+
+
+def _shows(stage: Any, picture: SkinPicture) -> Any:
+    return lambda material: show_picture(stage, material, picture)
+
+
+def _write_mesh(stage: Any, shape: MovingShape, frames: tuple[float, ...], times: float) -> None:
     """Write tubes in place of the curves that they are drawn along."""
     usd = pxr()
     path = f"{INSTRUMENTS}/{_NAMES[shape.name]}"
@@ -86,7 +176,7 @@ def _write_mesh(stage: Any, shape: MovingShape, frames: tuple[float, ...]) -> No
     points, extent = mesh.CreatePointsAttr(), mesh.CreateExtentAttr()
     bind(stage, mesh, look)
     for time, placed, shading in zip(shape.frames, shape.positions, shape.normals, strict=True):
-        points.Set(vectors(placed), time)
-        normals.Set(vectors(shading), time)
-        extent.Set(vectors(bounds(placed)), time)
-    show_at(mesh, set(shape.frames), frames)
+        points.Set(vectors(placed), time * times)
+        normals.Set(vectors(shading), time * times)
+        extent.Set(vectors(bounds(placed)), time * times)
+    show_at(mesh, {time * times for time in shape.frames}, [time * times for time in frames])

@@ -13,6 +13,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.export.lesson_procedure import LessonScene
 from lappet.lessons.lesson_places import LessonPlace, LessonPlaces
 from lappet.lessons.lesson_plan import ChapterPlan, QuestionPlan
+from lappet.procedure import Hook, Landmark, Procedure, Suture, SutureRun
 
 _PLAIN = ("painted", "grid")
 _LISTED = 30  # names in a remedy
@@ -48,6 +49,40 @@ def chapter_problems(
         found += _place_problems(hotspot.where, [hotspot.place], places)
     for question in chapter.questions:
         found += _question_problems(question, chapter.step, shown, places)
+    return found
+
+
+def named_place_problems(chapter: ChapterPlan, procedure: Procedure) -> list[Problem]:
+    """Find places that a procedure cannot have, by the names of its events, before it is solved.
+
+    Corners of cuts have their letters only once the skin is drawn; they are found later.
+
+    Parameters
+    ----------
+    chapter
+        The chapter.
+    procedure
+        Its procedure.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+    """
+    known = [f"landmark {each.label}" for each in procedure.events if isinstance(each, Landmark)]
+    known += [f"hook {each.name}" for each in procedure.events if isinstance(each, Hook)]
+    known += [f"suture {each.name}" for each in procedure.events if isinstance(each, Suture)]
+    runs = tuple(f"suture {each.name}/" for each in procedure.events if isinstance(each, SutureRun))
+    wanted = [(each.where, each.place) for each in chapter.hotspots]
+    wanted += [(each.where, name) for each in chapter.questions for name in (*each.places, *each.candidates)]
+    found = []
+    for where, name in dict.fromkeys(wanted):
+        kind, _, rest = name.partition(" ")
+        place = f"{kind.lower()} {rest.strip()}"
+        if kind.lower() == "corner" or place in known or (runs and place.startswith(runs)):
+            continue
+        listed = _listed([*known, *(f"{each}1" for each in runs), "corner a …"])
+        found.append(problem(ProblemCode.LESSON_PLACE, where, name, known=listed))
     return found
 
 

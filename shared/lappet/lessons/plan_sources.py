@@ -17,9 +17,10 @@ from lappet.export.lesson_skin import quantity_scales
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.lessons.lesson_places import LessonPlaces
 from lappet.lessons.lesson_plan import ChapterPlan, LessonPlan
-from lappet.lessons.plan_check import chapter_problems
+from lappet.lessons.plan_check import chapter_problems, named_place_problems
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.settings import SolverSettings
+from lappet.usd.procedure_file import ProcedureFile
 
 # Solves a procedure with a spacing (None for its own) into a cache.
 SolveChapter = Callable[[Path, Path, float | None], None]
@@ -107,6 +108,9 @@ def chapter_sources(
     opened: dict[Any, LessonScene] = {}
     order = sorted(range(len(plan.chapters)), key=lambda k: plan.chapters[k].cache is None)
     problems: list[Problem] = []
+    for chapter in plan.chapters:
+        if chapter.procedure is not None:
+            problems += _named_problems(chapter, limits)
     for number in order:
         chapter = plan.chapters[number]
         if problems and chapter.cache is None:
@@ -123,6 +127,19 @@ def chapter_sources(
     if problems:
         raise RefusedError(problems)
     return [found[number] for number in range(len(plan.chapters))]
+
+
+def _named_problems(chapter: ChapterPlan, limits: ReadLimits) -> list[Problem]:
+    """What is wrong with a chapter by its procedure alone; what is wrong with the procedure, solving tells."""
+    assert chapter.procedure is not None  # only chapters that are solved are asked
+    try:
+        with ProcedureFile(chapter.procedure, limits) as file:
+            read = file.what_can_be()
+    except RefusedError:
+        return []
+    if read.procedure is None or read.problems:
+        return []
+    return named_place_problems(chapter, read.procedure)
 
 
 def _scene(

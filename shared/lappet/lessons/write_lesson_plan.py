@@ -14,6 +14,7 @@ from lappet.export.lesson_file import write_whole
 from lappet.export.viewer_program import viewer_program
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.lessons.lesson_course import lesson_course
+from lappet.lessons.lesson_site import check_site, is_site, write_site
 from lappet.lessons.plan_file import read_plan
 from lappet.lessons.plan_sources import SolveChapter, chapter_sources, solve_chapter
 
@@ -32,7 +33,8 @@ def write_lesson_plan(
     plan
         The plan, in TOML.
     target
-        The file; its suffix says what it becomes: a page, a package of SCORM 1.2 or one of H5P.
+        The file; its suffix says what it becomes: a page, a package of SCORM 1.2 or one of H5P. Without a suffix it
+        is a folder with a page for each chapter.
     limits
         What reading may take.
     solve
@@ -54,12 +56,18 @@ def write_lesson_plan(
         If the file cannot be written.
     """
     suffix = target.suffix.lower()
-    if suffix not in DELIVERIES:
+    if not is_site(target) and suffix not in DELIVERIES:
         raise refused(ProblemCode.LESSON_SUFFIX, target, target.suffix, known=", ".join(DELIVERIES))
+    if is_site(target):
+        check_site(target)
     check_place(target)
     viewer_program()
     known = read_plan(plan)
     with tempfile.TemporaryDirectory(prefix="lappet-lesson-") as work:
-        content, blocks = lesson_course(known, chapter_sources(known, Path(work), limits, solve, say))
+        sources = chapter_sources(known, Path(work), limits, solve, say)
+        if is_site(target):
+            write_site(known, sources, target)
+            return target
+        content, blocks = lesson_course(known, sources)
         write_whole(delivered(content, blocks, suffix), target)
     return target

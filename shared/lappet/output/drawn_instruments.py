@@ -46,7 +46,7 @@ def write_instruments(stage: Any, source: SkinSource) -> None:
         _write(stage, source, "SkinHooks", "Skin hooks", STEEL_LOOK, hooks.tubes),
     ]
     if any(drawn):
-        _add_variants(stage)
+        add_variants(stage)
 
 
 def _write(
@@ -83,7 +83,14 @@ def _write(
     return True
 
 
-def _add_variants(stage: Any) -> None:
+def add_variants(stage: Any) -> None:
+    """Write the variants of `instruments`, which show or hide them.
+
+    Parameters
+    ----------
+    stage
+        The stage, with its instruments.
+    """
     usd = pxr()
     variants = stage.GetPrimAtPath(SKIN_ROOT).GetVariantSets().AddVariantSet("instruments")
     for name in ("shown", "hidden"):

@@ -56,7 +56,7 @@ def dress(layer: Any, path: Path, procedure: Procedure, program: Program, frames
     except FigureError:
         pass  # tissue without skin to speak of: its cache does without drawings
     _bind_others(stage, procedure)
-    tissue = [prim.GetName() for prim in stage.GetPrimAtPath(LOOK_ROOT).GetChildren() if _is_tissue(prim.GetName())]
+    tissue = [prim.GetName() for prim in stage.GetPrimAtPath(LOOK_ROOT).GetChildren() if is_tissue(prim.GetName())]
     write_look_variants(stage, tissue, _strain(program, frames))
     _hide(stage, below)
     _name(stage, path.stem)
@@ -74,7 +74,19 @@ def _over(stage: Any, below: Any) -> Any:
     return both
 
 
-def _is_tissue(name: str) -> bool:
+def is_tissue(name: str) -> bool:
+    """Tell materials of tissue from those of instruments and marks.
+
+    Parameters
+    ----------
+    name
+        Name of the material.
+
+    Returns
+    -------
+    bool
+        Whether it is one of tissue.
+    """
     return name in (SKIN_LOOK.name, MUCOSA_LOOK.name, BED_LOOK.name) or name.startswith(("Cut", "Rim"))
 
 

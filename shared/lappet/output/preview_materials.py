@@ -5,7 +5,8 @@ Colors stand in the variants of `look` alone: a value outside of them would be t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -128,9 +129,14 @@ def _color(stage: Any, name: str) -> Any:
 
 
 def write_look_variants(
-    stage: Any, tissue: Iterable[str], strain: Mapping[str, Mapping[float, NDArray[np.float32]]]
+    stage: Any,
+    tissue: Iterable[str],
+    strain: Mapping[str, Mapping[float, NDArray[np.float32]]],
+    pictures: Mapping[str, Callable[[str], None]] = MappingProxyType({}),
 ) -> None:
     """Write the looks: `natural`, `plain` (tissue all gray) and, where strain is known, `strain`, colored by it.
+
+    Where there are pictures of the skin, they are looks in place of `natural`; the first is chosen.
 
     Parameters
     ----------
@@ -141,6 +147,8 @@ def write_look_variants(
     strain
         Strain at the points of each epoch's prim, shape (n,), by the prim's name and by time code; nothing where it
         is not known.
+    pictures
+        For the name of a look what lets a material show its picture, in the variant that is being edited.
     """
     usd = pxr()
     gray = set(tissue)
@@ -149,16 +157,19 @@ def write_look_variants(
     for name in names:
         _color(stage, name).GetAttr().Clear()
     variants = stage.GetPrimAtPath(SKIN_ROOT).GetVariantSets().AddVariantSet("look")
-    for name in LOOKS if strain else LOOKS[:2]:
+    looks = (*(pictures or LOOKS[:1]), *(LOOKS[1:] if strain else LOOKS[1:2]))
+    for name in looks:
         variants.AddVariant(name)
         variants.SetVariantSelection(name)
         with variants.GetVariantEditContext():
             for material, color in colors.items():
                 own = usd.Gf.Vec3f(*PLAIN_COLOR) if name == "plain" and material in gray else color
                 _color(stage, material).Set(own)
+            if name in pictures:
+                pictures[name](SKIN_LOOK.name)
             if name == "strain":
                 _color_by_strain(stage, strain)
-    variants.SetVariantSelection(LOOKS[0])
+    variants.SetVariantSelection(looks[0])
 
 
 def _color_by_strain(stage: Any, strain: Mapping[str, Mapping[float, NDArray[np.float32]]]) -> None:

@@ -44,6 +44,7 @@ class Pxr(SimpleNamespace):
     Tf: Any
     Usd: Any
     UsdGeom: Any
+    UsdLux: Any
     UsdShade: Any
     UsdSkel: Any
     UsdUtils: Any
@@ -88,7 +89,7 @@ def pxr() -> Pxr:
     """
     try:
         with _interrupts_wait():
-            from pxr import Gf, Kind, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, UsdUtils, Vt
+            from pxr import Gf, Kind, Plug, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, UsdUtils, Vt
     except ImportError as cause:
         raise UsdMissingError((problem(ProblemCode.USD_MISSING, "", cause),)) from cause
     Plug.Registry().RegisterPlugins(str(SCHEMA.resolve()))
@@ -100,6 +101,7 @@ def pxr() -> Pxr:
         Tf=Tf,
         Usd=Usd,
         UsdGeom=UsdGeom,
+        UsdLux=UsdLux,
         UsdShade=UsdShade,
         UsdSkel=UsdSkel,
         UsdUtils=UsdUtils,
