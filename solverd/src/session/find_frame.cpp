@@ -38,6 +38,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 template <class Real>
+class SelfContactSuspended {
+ public:
+  explicit SelfContactSuspended(System<Real>& system) : system_(system) { system.suspend_self_contact(true); }
+  ~SelfContactSuspended() { system_.suspend_self_contact(false); }
+  SelfContactSuspended(const SelfContactSuspended&) = delete;
+  SelfContactSuspended& operator=(const SelfContactSuspended&) = delete;
+
+ private:
+  System<Real>& system_;
+};
+
+template <class Real>
 class FrameSearch {
  public:
   FrameSearch(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
@@ -69,9 +81,7 @@ class FrameSearch {
         frame_, settings_.materials[0].youngs_modulus, epoch_.constraints.lowest(), epoch_.constraints.highest(),
         [this](const Anchor& anchor) { return epoch_.constraints.where(anchor, before_.u); });
     if (unreachable.empty()) {
-      walk(RetrySchedule(valid_ && moved_, settings_.max_newton, epoch_.system.self_contact() != nullptr));
-      settle_doubt();
-      if (settings_.stability && found_.outcome.converged) leave_saddles();
+      if (!search_apart()) search();
     } else {
       found_.state = before_;
       epoch_.constraints.apply(frame_, found_.state);
@@ -83,10 +93,42 @@ class FrameSearch {
       refuse_if_stopped();
       evaluate();
     }
+    found_.effort.add(in_vain_);
     return std::move(found_);
   }
 
  private:
+  void search() {
+    walk(RetrySchedule(valid_ && moved_, settings_.max_newton, epoch_.system.self_contact() != nullptr));
+    settle_doubt();
+    if (settings_.stability && found_.outcome.converged) leave_saddles();
+  }
+
+  // Where nothing touches before, the frame is found as if nothing did. It stands where nothing touches in it and
+  // nothing meets anything on the straight way to it: most frames take no more than the look at that. False, and
+  // nothing found, where the search has to keep surfaces apart.
+  bool search_apart() {
+    System<Real>& system = epoch_.system;
+    SelfContact* contact = system.self_contact();
+    if (!contact || !contact->is_apart<Real>(before_.u)) return false;
+    {
+      const SelfContactSuspended<Real> suspended(system);
+      search();
+    }
+    if (found_.outcome.converged && system.is_clear_way(before_.u, found_.state.u) &&
+        contact->is_apart<Real>(found_.state.u))
+      return true;
+    refuse_if_stopped();
+    spdlog::info("frame {:g} meets itself: {} iterations as if it did not", frame_.time,
+                 found_.effort.newton_iterations);
+    in_vain_ = found_.effort;
+    Evaluation reused = std::move(found_.outcome.at);
+    found_ = {};
+    found_.outcome.at = std::move(reused);
+    doubtful_.reset();
+    return false;
+  }
+
   // What the next frame may go on with: no start over and no way off a saddle.
   void note_motion() {
     auto& motion = found_.state.motion;
@@ -343,6 +385,7 @@ class FrameSearch {
   EquilibriumOptions options_;
   SolveObserver observer_;
   FoundFrame<Real> found_;
+  SolveEffort in_vain_;  // before tissue was found to meet tissue
   double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
   std::vector<Real> mode_;
   // An equilibrium with inverted cells, until one from rest confirms it.

@@ -180,7 +180,7 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
     PointConstraint closing =
         make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
     if (ends_between_walls(suture)) {
-      closing.walls_keep = system_.self_contact()->distance_of_walls();
+      closing.walls_keep = system_.suspended_self_contact()->distance_of_walls();
       closing.drawn = suture.closure == 1.0;
     }
     return closing;
@@ -205,7 +205,7 @@ std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const Sutu
 template <class Real>
 const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_between_walls(
     const SutureState& suture) const {
-  if (!system_.self_contact() || !suture.inner.empty()) return nullptr;
+  if (!system_.suspended_self_contact() || !suture.inner.empty()) return nullptr;
   auto known = ends_between_walls_.find(suture.index);
   if (known == ends_between_walls_.end())
     known = ends_between_walls_.emplace(suture.index, find_ends_between_walls(suture)).first;
@@ -233,7 +233,7 @@ std::optional<typename FrameConstraints<Real>::Ends> FrameConstraints<Real>::fin
   const Vec3 on_first = suture.a.point + nearest->first.depth * nearest->first.normal;
   const Vec3 on_second = suture.b.point + nearest->second.depth * nearest->second.normal;
   const double apart =
-      std::min(system_.self_contact()->distance_of_walls(), kShareOfRest * (on_first - on_second).norm());
+      std::min(system_.suspended_self_contact()->distance_of_walls(), kShareOfRest * (on_first - on_second).norm());
   const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
     const Vec3 beyond = (wall.depth + 0.5 * apart) * wall.normal;
     return stencil_maker().around(anchor.point, anchor.triangle, beyond);

@@ -2,6 +2,7 @@
 // Units: mm, kPa, mN, seconds.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -225,6 +226,17 @@ struct SolveEffort {
   double seconds_stability = 0.0;  // in the search for the softest displacement
   int saddles_left = 0;            // unstable equilibria that were found on the way and left
   Restart restart = Restart::kNone;
+
+  // What a search took that was given up before.
+  void add(const SolveEffort& before) {
+    newton_iterations += before.newton_iterations;
+    pcg_iterations += before.pcg_iterations;
+    active_cells = std::max(active_cells, before.active_cells);
+    seconds_update += before.seconds_update;
+    seconds_linear += before.seconds_linear;
+    seconds_setup += before.seconds_setup;
+    seconds_stability += before.seconds_stability;
+  }
 };
 
 struct FrameOutput : FrameFields, SolveEffort {

@@ -138,8 +138,29 @@ TEST(SelfContactSession, WhatNeverComesNearItselfHasTheSameBitsAsWithout) {
     EXPECT_EQ(outputs[0][f].points, outputs[1][f].points);
     EXPECT_EQ(outputs[0][f].state.nodes, outputs[1][f].state.nodes);
     EXPECT_EQ(outputs[0][f].energy, outputs[1][f].energy);
+    EXPECT_EQ(outputs[0][f].newton_iterations, outputs[1][f].newton_iterations);
+    EXPECT_EQ(outputs[0][f].pcg_iterations, outputs[1][f].pcg_iterations);
     EXPECT_EQ(outputs[1][f].self_contacts, 0);
   }
+}
+
+// Where it ends it is as far from the other block as where it began: only the way between tells.
+TEST(SelfContactSession, ABlockThatIsCarriedBeyondAnotherInOneFrameDoesNotJumpOverIt) {
+  Surface surface = grid_box({0, 0, 0}, {4, 4, 4}, 1.0);
+  append(surface, grid_box({6, 0, 0}, {10, 4, 4}, 1.0));
+  const EpochInput epoch = make_epoch(
+      surface, [](const Vec3& c) { return c[0] < 5 && c[2] < 1e-9; },
+      [](const Vec3& c) { return c[0] > 5 && c[2] > 4 - 1e-9 ? 0 : -1; });
+  const FrameInput frame = pulled({Vec3(-12, 0, 0)});
+  Session without(with_contact(1, false)), with(with_contact(1));
+  without.set_epoch(epoch);
+  with.set_epoch(epoch);
+  const FrameOutput jumped = without.solve(frame, {}, kNever);
+  ASSERT_TRUE(jumped.converged);
+  EXPECT_EQ(piercings(surface, jumped), 0U);
+  const FrameOutput blocked = with.solve(frame, {}, kNever);
+  EXPECT_FALSE(blocked.converged);
+  EXPECT_EQ(blocked.piercings, 0);
 }
 
 TEST(SelfContactSession, ACutAtRestHasNoForceHoweverThinItIs) {

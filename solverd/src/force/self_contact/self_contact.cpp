@@ -68,6 +68,13 @@ std::size_t SelfContact::begin(std::span<const Real> u) {
 }
 
 template <class Real>
+bool SelfContact::is_apart(std::span<const Real> u) {
+  if (begin(u) > 0) return false;
+  candidates_.cover(places_);
+  return touching_pairs(surface_, candidates_, places_, stiffness_).empty();
+}
+
+template <class Real>
 void SelfContact::evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state) {
   surface_.positions(u, places_);
   candidates_.cover(places_);
@@ -182,6 +189,8 @@ template std::size_t SelfContact::count_piercings(std::span<const float>);
 template std::size_t SelfContact::count_piercings(std::span<const double>);
 template std::size_t SelfContact::begin(std::span<const float>);
 template std::size_t SelfContact::begin(std::span<const double>);
+template bool SelfContact::is_apart(std::span<const float>);
+template bool SelfContact::is_apart(std::span<const double>);
 template void SelfContact::evaluate(std::span<const float>, std::span<double>, SelfContactState&);
 template void SelfContact::evaluate(std::span<const double>, std::span<double>, SelfContactState&);
 template double SelfContact::largest_step(std::span<const float>, std::span<const float>, double);

@@ -35,6 +35,10 @@ class SelfContact {
   template <class Real>
   std::size_t begin(std::span<const Real> u);
 
+  // Whether the surface neither goes through itself nor presses on itself at u.
+  template <class Real>
+  bool is_apart(std::span<const Real> u);
+
   // Adds the gradient of the energy (3 per node). The same for any number of threads.
   template <class Real>
   void evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state);

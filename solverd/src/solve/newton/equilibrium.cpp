@@ -423,11 +423,14 @@ class EquilibriumSearch {
       if (!search.system_.self_contact()) return;
       u_.assign(search.u_.begin(), search.u_.end());
       multipliers_ = search.multipliers_;
+      energy_ = search.now_.energy;
     }
-    // Goes back to it where tissue met tissue on the way, or touches now.
+    // Goes back to it where tissue met tissue on the way, or where it touches now and the energy of the whole, with what
+    // presses on it, is no lower.
     bool is_undone() const {
-      if (u_.empty() || (!search_.now_.self_contact.touches() && search_.system_.is_clear_way(u_, search_.u_)))
-        return false;
+      if (u_.empty()) return false;
+      const bool lower = !search_.now_.self_contact.touches() || search_.now_.energy < energy_;
+      if (lower && search_.system_.is_clear_way(u_, search_.u_)) return false;
       copy<Real>(u_, search_.u_);
       search_.multipliers_ = multipliers_;
       search_.evaluate();
@@ -436,6 +439,7 @@ class EquilibriumSearch {
 
    private:
     EquilibriumSearch& search_;
+    double energy_ = 0.0;
     std::vector<Real> u_;
     Multipliers multipliers_;
   };
@@ -478,7 +482,7 @@ class EquilibriumSearch {
   // What a definite tangent is too stiff for, or what bends too much for a whole step, is often a matter of a few
   // nodes: they go ahead.
   void relax() {
-    if (now_.relative_residual <= options_.tolerance || now_.self_contact.touches()) return;
+    if (now_.relative_residual <= options_.tolerance) return;
     const BeforeShortcut state(*this);
     const LocalRelaxation relaxed =
         relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);

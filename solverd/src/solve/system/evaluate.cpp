@@ -80,8 +80,9 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
                                        result.contact_penalties, result.contact);
     result.energy += result.contact.energy;
   }
-  if (self_contact_) {
-    self_contact_->template evaluate<Real>(u, result.gradient, result.self_contact);
+  result.self_contact = {};
+  if (self_contact()) {
+    self_contact()->template evaluate<Real>(u, result.gradient, result.self_contact);
     result.energy += result.self_contact.energy;
   }
   add_point_constraints(u, multipliers, result);
@@ -137,7 +138,7 @@ void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result
 template <class Real>
 double System<Real>::largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
   if (contact()) most = contact()->template largest_step<Real>(u, step, most);
-  if (self_contact_) most = self_contact_->template largest_step<Real>(u, step, most);
+  if (self_contact()) most = self_contact()->template largest_step<Real>(u, step, most);
   const double stride = lattice().settings.spacing;
   for (const auto& face : attachments_.resting) {
     const auto& nodes = lattice().cell_nodes[static_cast<std::size_t>(face.cell)];

@@ -214,13 +214,12 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how, PsdProject
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
-  if (self_contact_) {
+  SparseRows taken_off;
+  if (self_contact_) {  // without pairs while it is suspended
     self_contact_rows_ = self_contact_->rows(at.self_contact.pairs);
     self_contact_places_ = self_contact_->places(at.self_contact.pairs);
+    if (contact == PsdProjection::kExact) taken_off = self_contact_->negative_rows(at.self_contact.pairs);
   }
-  SparseRows taken_off;
-  if (self_contact_ && contact == PsdProjection::kExact)
-    taken_off = self_contact_->negative_rows(at.self_contact.pairs);
   penalty_rows_.set(contact_penalties_, self_contact_rows_, taken_off, lattice());
   point_tangent_ = at.point_tangent;
   pressed_from_ = at.pressed;

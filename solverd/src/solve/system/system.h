@@ -71,7 +71,10 @@ class System {
   const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
   // What the surface does to itself; null: it passes through itself. A restricted system has none.
   void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
-  SelfContact* self_contact() const { return self_contact_.get(); }
+  // Null also while it is suspended: where nothing comes near anything, nothing is looked for.
+  SelfContact* self_contact() const { return self_contact_suspended_ ? nullptr : self_contact_.get(); }
+  SelfContact* suspended_self_contact() const { return self_contact_.get(); }
+  void suspend_self_contact(bool suspend) { self_contact_suspended_ = suspend; }
   const std::vector<PointConstraint>& point_constraints() const { return point_constraints_; }
   const PointConstraint& point_constraint(const ConstraintId& id) const;
 
@@ -213,6 +216,7 @@ class System {
   std::unique_ptr<Contact> contact_;
   std::vector<ContactPenalty> contact_penalties_;  // of the tangent
   std::unique_ptr<SelfContact> self_contact_;
+  bool self_contact_suspended_ = false;
   SparseRows self_contact_rows_;  // of the tangent
   std::vector<SelfContact::Place> self_contact_places_;
   PenaltyRows<Real> penalty_rows_;              // all of these
