@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
@@ -13,6 +15,8 @@ from lappet.geometry.surface_check import place
 from lappet.procedure import Muscle, Procedure, Strand
 from lappet.procedure.prim_paths import MATERIALS, MUSCLES
 from lappet.tissue.rest_space import RestSpace
+
+_SAMPLES = 25  # between two points of a strand
 
 
 def muscle_problems(procedure: Procedure, rest: RestSpace | None) -> list[Problem]:
@@ -58,10 +62,17 @@ def _problems(muscle: Muscle, known: list[str], rest: RestSpace | None) -> list[
             add(ProblemCode.MUSCLE_RADII, len(strand.radii), number=number, points=len(strand.points))
         elif min(strand.radii) < 0.0 or not max(strand.radii) > 0.0:
             add(ProblemCode.MUSCLE_RADIUS, f"{min(strand.radii):g}", number=number)
-        elif rest is not None and bool((rest.outside(np.array(strand.points)) > 0.0).all()):
+        elif rest is not None and bool((rest.outside(_course(strand)) > 0.0).all()):
             at = strand.points[0]
             add(ProblemCode.MUSCLE_OUTSIDE, f"{place(np.array(at))} mm", place=Place.at(at), number=number)
     return problems
+
+
+def _course(strand: Strand) -> NDArray[np.float64]:
+    """Points all along a strand in mm, shape (n, 3)."""
+    points, share = np.array(strand.points), np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    stretches = [(1.0 - share) * first + share * last for first, last in pairwise(points)]
+    return np.concatenate(stretches)
 
 
 def _is_finite(strand: Strand) -> bool:

@@ -18,7 +18,7 @@ constexpr double kContactPenalty = 10.0;
 // The nodes of the bones' distance field, and how deep it knows distances, in spacings.
 constexpr double kBoneSpacing = 0.5, kBoneDepth = 3.0;
 // How far a bone moves in a load step, in spacings: what it meets is pushed out on the side that it comes from.
-constexpr double kMaxBoneStep = 0.5;
+constexpr double kMaxBoneStep = 0.25;
 constexpr double kMaxBoneSteps = 1024.0;
 constexpr double kMaxRestPenetration = 0.5;  // in spacings
 
