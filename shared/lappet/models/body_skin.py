@@ -11,7 +11,6 @@ from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.surface_check import intersections
 from lappet.geometry.triangles import area_normals
 
-
 _ROUNDS = 40
 _HALF = 0.5  # of the way to the mean of its neighbors that a vertex goes in a round
 
@@ -90,8 +89,8 @@ class BodySkin:
         Returns
         -------
         tuple[NDArray[np.float64], NDArray[np.float64]]
-            Their depths in mm, shape (n,), negative outside the body, and the unit directions into the body there, shape
-            (n, 3).
+            Their depths in mm, shape (n,), negative outside the body, and the unit directions into the body there,
+            shape (n, 3).
         """
         faces, closest, _ = self.search.query(points)
         inwards = -area_normals(self.corners[faces])

@@ -32,8 +32,8 @@ def described(model: Model | PlainModel | WholeBodyModel) -> list[str]:
             f"{model.name}: {model.title}",
             f"movement: the right elbow bends by {model.flexion:g}° in {model.frames} frames",
             f"soft tissue: {SOFT_TISSUE.model}, Young's modulus {SOFT_TISSUE.youngs_modulus:g} kPa (chosen)",
-            f"muscle: {MUSCLE.model}, {MUSCLE.youngs_modulus:g} kPa (chosen), isometric stress {MUSCLE.muscle_stress:g} kPa "
-            "(Teran, Blemker, Ng Thow Hing, Fedkiw 2003)",
+            f"muscle: {MUSCLE.model}, {MUSCLE.youngs_modulus:g} kPa (chosen), isometric stress "
+            f"{MUSCLE.muscle_stress:g} kPa (Teran, Blemker, Ng Thow Hing, Fedkiw 2003)",
             *(f"{plan.name} (both sides): from {plan.origin} to {plan.insertion}" for plan in MUSCLES),
             f"origins and insertions: {MUSCLE_SOURCE}; where bellies lie and how thick they are is chosen",
             f"lattice spacing: {model.spacing:g} mm",

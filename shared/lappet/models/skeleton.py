@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import manifold3d
 import numpy as np
@@ -71,7 +72,9 @@ class Ellipsoid:
 # By group; with a `*` in its name once for each side. Radii are chosen, to lie within the body.
 BONES: dict[str, tuple[Sweep | Ellipsoid, ...]] = {
     "trunk": (
-        Sweep(("pelvis", "spine-4", "spine-3", "spine-2", "spine-1", "neck", "head"), (22, 20, 18, 18, 16, 13, 12), 0, 0.5),
+        Sweep(
+            ("pelvis", "spine-4", "spine-3", "spine-2", "spine-1", "neck", "head"), (22, 20, 18, 18, 16, 13, 12), 0, 0.5
+        ),
         Sweep(("r-upper-leg", "l-upper-leg"), (30, 30), 0.2, 0.8, (0, 0, 28)),
         Ellipsoid(("head", "head-2"), 0.48, (0, -8, 0), (54, 56, 50)),
         Ellipsoid(("spine-2", "spine-1"), 0.55, (0, 36, 0), (104, 66, 138)),
@@ -81,7 +84,10 @@ BONES: dict[str, tuple[Sweep | Ellipsoid, ...]] = {
     "humerus_*": (Sweep(("*-shoulder", "*-elbow"), (15, 13), 0.02, 0.87),),
     "forearm_*": (
         Sweep(("*-elbow", "*-hand"), (14, 11), 0.13),
-        *(Sweep(("*-hand", f"*-finger-{k}-1", f"*-finger-{k}-2", f"*-finger-{k}-3"), (7, 5, 4, 3)) for k in (2, 3, 4, 5)),
+        *(
+            Sweep(("*-hand", f"*-finger-{k}-1", f"*-finger-{k}-2", f"*-finger-{k}-3"), (7, 5, 4, 3))
+            for k in (2, 3, 4, 5)
+        ),
         Sweep(("*-hand", "*-finger-1-2", "*-finger-1-3"), (7, 5, 4)),
     ),
     "femur_*": (Sweep(("*-upper-leg", "*-knee"), (20, 17), 0.1, 0.93),),
@@ -143,5 +149,5 @@ def _swept(
         manifold3d.Manifold.sphere(min(radius, room), _SEGMENTS).translate(tuple(place))
         for place, radius, room in zip(course, part.radii, most.tolist(), strict=True)
     ]
-    pieces = [manifold3d.Manifold.batch_hull(list(pair)) for pair in zip(balls[:-1], balls[1:], strict=True)]
+    pieces = [manifold3d.Manifold.batch_hull(list(pair)) for pair in pairwise(balls)]
     return manifold3d.Manifold.batch_boolean(pieces, manifold3d.OpType.Add)

@@ -17,8 +17,8 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.solid import closed_solid
 from lappet.models.body_mesh import BODY, body_mesh
-from lappet.models.body_skin import BodySkin, apart
 from lappet.models.body_shape import NEUTRAL, shaped
+from lappet.models.body_skin import BodySkin, apart
 from lappet.models.joints import joints
 from lappet.models.model_choice import SPACING_RANGE, ModelChoice, checked
 from lappet.models.muscle_plans import MUSCLES, End, StrandPlan

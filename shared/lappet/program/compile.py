@@ -82,7 +82,10 @@ def compile_program(
     strands = strand_program(procedure, materials)
     bones = united_bones(procedure.bones)
     still_bones = united_bones([bone for bone in procedure.bones if not bone.moves])
-    epochs = [replace(epoch, regions=regions, strands=strands, over_bone=over_bone(epoch.surface, still_bones)) for epoch in epochs]
+    epochs = [
+        replace(epoch, regions=regions, strands=strands, over_bone=over_bone(epoch.surface, still_bones))
+        for epoch in epochs
+    ]
     epochs = on_ground(epochs, procedure.tissue)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)

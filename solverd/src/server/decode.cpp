@@ -150,8 +150,8 @@ void decode_strands(ArrayReader& arrays, std::int32_t materials, EpochInput& epo
     if (first < 0 || first >= end || end > length(points.size()) || (k == 0 && first != 0))
       invalid("The array 'strand_start' must begin with 0 and grow, each below the number of points; element " +
               std::to_string(k) + " is " + std::to_string(first) + ".");
-    epoch.strands.push_back({material[k], {points.begin() + first, points.begin() + end},
-                             {radii.begin() + first, radii.begin() + end}});
+    epoch.strands.push_back(
+        {material[k], {points.begin() + first, points.begin() + end}, {radii.begin() + first, radii.begin() + end}});
   }
 }
 

@@ -84,15 +84,13 @@ std::vector<Eigen::Matrix4d> bones_partway(const SessionSettings& settings, std:
   const std::vector<Surface> bodies = bone_bodies(settings);
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Box3 box = box_around(bodies[k]);
-    result.push_back(
-        between_motions(motion_of(from, k), motion_of(to, k), fraction, box.center()));
+    result.push_back(between_motions(motion_of(from, k), motion_of(to, k), fraction, box.center()));
   }
   return result;
 }
 
-std::unique_ptr<Contact> contact_with_bones(const BoneDistance& bones, const Lattice& lattice,
-                                            const EpochInput& epoch, const SessionSettings& settings,
-                                            const Interrupt& interrupt) {
+std::unique_ptr<Contact> contact_with_bones(const BoneDistance& bones, const Lattice& lattice, const EpochInput& epoch,
+                                            const SessionSettings& settings, const Interrupt& interrupt) {
   const double stiffness = kContactPenalty * settings.materials[0].youngs_modulus / settings.spacing;
   auto contact = std::make_unique<Contact>(bones, lattice, epoch.surface, epoch.fixed, stiffness, interrupt);
   auto [depth, where] = contact->deepest_at_rest();

@@ -12,9 +12,8 @@ namespace lappet {
 std::optional<BoneDistance> distance_to_bones(const SessionSettings& settings, const Interrupt& interrupt);
 
 // Throws RefusedError where tissue lies deeper in bone at rest than half the spacing; what is less deep is pushed out.
-std::unique_ptr<Contact> contact_with_bones(const BoneDistance& bones, const Lattice& lattice,
-                                            const EpochInput& epoch, const SessionSettings& settings,
-                                            const Interrupt& interrupt);
+std::unique_ptr<Contact> contact_with_bones(const BoneDistance& bones, const Lattice& lattice, const EpochInput& epoch,
+                                            const SessionSettings& settings, const Interrupt& interrupt);
 
 // The bodies that the bones of a session are of: those that move alone, and what stays. One for bones that all stay.
 std::vector<Surface> bone_bodies(const SessionSettings& settings);

@@ -226,8 +226,8 @@ void check_rigid(const Eigen::Matrix4d& motion, const char* what, std::size_t in
   require(motion.allFinite() && motion.cwiseAbs().maxCoeff() <= kMaxCoordinate,
           "the motion of {} {} at frame {:g} is not finite", what, index, time);
   const Eigen::Matrix3d rotation = motion.topLeftCorner<3, 3>();
-  require((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < 1e-4 &&
-              rotation.determinant() > 0 && motion.row(3) == Eigen::RowVector4d(0, 0, 0, 1),
+  require((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < 1e-4 && rotation.determinant() > 0 &&
+              motion.row(3) == Eigen::RowVector4d(0, 0, 0, 1),
           "the motion of {} {} at frame {:g} is not rigid; give a rotation and a translation only", what, index, time);
 }
 

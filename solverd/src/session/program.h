@@ -168,9 +168,9 @@ struct FrameInput {
   double time = 0.0;
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;
-  std::vector<RetractorState> retractors;  // the active ones
-  std::vector<LoadState> loads{};          // likewise
-  std::vector<double> activation;          // of the muscles, per material, in [0, 1]; empty: all 0
+  std::vector<RetractorState> retractors;       // the active ones
+  std::vector<LoadState> loads{};               // likewise
+  std::vector<double> activation;               // of the muscles, per material, in [0, 1]; empty: all 0
   std::vector<Eigen::Matrix4d> bone_motions{};  // of each body of bones, from rest; empty: all are there
   bool operator==(const FrameInput&) const = default;
 };

@@ -61,7 +61,7 @@ class RetrySchedule {
 
  private:
   static constexpr int kMaxLoadSteps = 16;
-  static constexpr int kMaxHalvings = 4;  // of the load steps that moving bones ask for, as a factor
+  static constexpr int kMaxHalvings = 4;        // of the load steps that moving bones ask for, as a factor
   static constexpr int kMaxNewton = 1'000'000;  // as good as no limit, and its sums are far from an int's end
   // A halved first load step that fails at a residual not this much lower did not help; so often in a row.
   static constexpr double kHelp = 0.5;

@@ -22,8 +22,8 @@ Strand along_x() { return {1, {{-1, 3, 3}, {13, 3, 3}}, {2.0, 2.0}}; }
 TEST(Strands, HoldTheCellsWhoseMiddleIsNearerThanTheirRadius) {
   const Lattice lattice = block(1.0);
   const std::array strands{along_x()};
-  const CellMaterials found = assign_materials(lattice, {MaterialParameters{}, MaterialParameters{}}, {}, {}, {}, {},
-                                               strands);
+  const CellMaterials found =
+      assign_materials(lattice, {MaterialParameters{}, MaterialParameters{}}, {}, {}, {}, {}, strands);
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
     const auto& [x, y, z] = lattice.cell_position(c);
     const bool inside = std::hypot(y + 0.5 - 3.0, z + 0.5 - 3.0) < 2.0;
@@ -48,8 +48,7 @@ TEST(Strands, ThatTaperTurnTheirFibersTowardsTheirCourseAsPointsOfOneShareOfTheR
 TEST(Strands, OfSeveralTheOneCountsInWhichTheMiddleLiesDeepestByItsRadius) {
   const Lattice lattice = block(1.0);
   const std::array strands{along_x(), Strand{2, {{6.5, 3.5, -1}, {6.5, 3.5, 7}}, {4.0, 4.0}}};
-  const CellMaterials found =
-      assign_materials(lattice, std::vector<MaterialParameters>(3), {}, {}, {}, {}, strands);
+  const CellMaterials found = assign_materials(lattice, std::vector<MaterialParameters>(3), {}, {}, {}, {}, strands);
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
     const auto& [x, y, z] = lattice.cell_position(c);
     const Vec3 middle(x + 0.5, y + 0.5, z + 0.5);

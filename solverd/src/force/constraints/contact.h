@@ -38,8 +38,8 @@ class Contact {
  public:
   // Proxies at the surface's vertices and, where a triangle is larger than a cell, inside it. Fixed triangles (1)
   // cannot be pushed and carry none. stiffness: k, kPa/mm.
-  Contact(BoneDistance bones, const Lattice& lattice, const Surface& surface,
-          std::span<const std::uint8_t> fixed, double stiffness, const Interrupt& interrupt = {});
+  Contact(BoneDistance bones, const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
+          double stiffness, const Interrupt& interrupt = {});
 
   // The proxies of some cells of a lattice as those of another lattice; place: per cell, its index there or -1.
   Contact(const Contact& whole, const Lattice& lattice, std::span<const Index> place);
