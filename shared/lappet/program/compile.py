@@ -78,15 +78,7 @@ def compile_program(
     if epochs is None:
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
     materials = with_line_tension(procedure, materials_in_use(procedure))
-    regions = region_program(procedure, materials)
-    strands = strand_program(procedure, materials)
-    bones = united_bones(procedure.bones)
-    still_bones = united_bones([bone for bone in procedure.bones if not bone.moves])
-    epochs = [
-        replace(epoch, regions=regions, strands=strands, over_bone=over_bone(epoch.surface, still_bones))
-        for epoch in epochs
-    ]
-    epochs = on_ground(epochs, procedure.tissue)
+    epochs = _with_inside(epochs, procedure, materials)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)
     moved_bones = dict(zip(times, bone_motions(procedure.bones, procedure.start_time, times), strict=True))
@@ -130,9 +122,19 @@ def compile_program(
         vessels=procedure.vessels,
         vessels_at=tuple(vessels.values()),
         vessel_crossings=crossings,
-        bones=bones,
+        bones=united_bones(procedure.bones),
         notes=(*moved, *crossed, *crossing_warnings(procedure, crossings)),
     )
+
+
+def _with_inside(epochs: Sequence[Epoch], procedure: Procedure, materials: Sequence[Material]) -> list[Epoch]:
+    """The epochs with the regions and strands of their materials, and with what they rest on."""
+    regions, strands = region_program(procedure, materials), strand_program(procedure, materials)
+    still = united_bones([bone for bone in procedure.bones if not bone.moves])
+    inside = [
+        replace(epoch, regions=regions, strands=strands, over_bone=over_bone(epoch.surface, still)) for epoch in epochs
+    ]
+    return on_ground(inside, procedure.tissue)
 
 
 def _vessels(
