@@ -76,13 +76,17 @@ def test_a_punch_that_moves_and_turns_presses_like_tissue_carried_against_one_th
     assert np.abs(pressed[-1] - there).max() < 0.02 * indented
 
 
-def test_a_bone_that_passes_farther_than_its_own_thickness_in_a_frame_does_not_tunnel(tmp_path: Path) -> None:
+def test_two_spacings_in_one_frame_press_as_deep_as_in_three_frames(tmp_path: Path) -> None:
     far = np.eye(4)
-    far[3, :3] = (0.0, 0.0, -4.5)  # the punch is 3.9 mm thick
-    procedure = replace(block("fixed"), bones=(punch(((1.0, tuple(np.eye(4).ravel())), (2.0, tuple(far.ravel())))),))
-    rest, end = skin(procedure, tmp_path / "far")[:2]
-    top = (np.linalg.norm(rest[:, :2], axis=1) < 2.0) & (rest[:, 2] > 9.0 - 1e-6)
-    assert end[top, 2].max() < 9.1 - 4.5 + 0.2
+    far[3, :3] = (0.0, 0.0, -3.0)
+    ends = []
+    for last in (2.0, 4.0):
+        motion = ((1.0, tuple(np.eye(4).ravel())), (last, tuple(far.ravel())))
+        rest, *_, end = skin(replace(block("fixed"), bones=(punch(motion),)), tmp_path / f"until_{last:g}")
+        top = (np.linalg.norm(rest[:, :2], axis=1) < 2.0) & (rest[:, 2] > 9.0 - 1e-6)
+        assert np.abs(end[top, 2] - (9.1 - 3.0)).max() < 0.15
+        ends.append(end)
+    assert np.abs(ends[0] - ends[1]).max() < 0.1
 
 
 def test_a_moving_bone_comes_back_from_a_file_and_its_frames_from_the_store(tmp_path: Path) -> None:
