@@ -66,7 +66,7 @@ class WholeBodyModel:
     activation: float
 
 
-WHOLE_BODY = WholeBodyModel("body", "a whole body with bones and muscles that bends an arm", 10.0, 11, 50.0, 0.3)
+WHOLE_BODY = WholeBodyModel("body", "a whole body with bones and muscles that bends an arm", 10.0, 6, 25.0, 0.15)
 # What bends the right elbow, by Gray's Anatomy (`lappet.models.muscle_plans.SOURCE`).
 _FLEXORS = ("biceps_brachii_r", "brachialis_r", "brachioradialis_r")
 _MOVED = "forearm_r"
