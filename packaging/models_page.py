@@ -122,9 +122,9 @@ def _whole_body() -> list[str]:
         "an activation pulls on what moves the bones without moving them.",
         "",
         "Solve it with `--tolerance 2e-3 --gap-tolerance 5e-3`: at the default, which closes the walls of bones to a "
-        "thousandth of the spacing, its third frame did not converge in minutes. With these its six frames converge with "
-        "cells of 14 mm (23 251 of them) in 6 to 9 Newton iterations each; finer lattices and further bending are not tried "
-        "or did not converge.",
+        "thousandth of the spacing, its third frame did not converge in minutes. With these its six frames "
+        "converge with cells of 14 mm (23 251 of them) in 6 to 9 Newton iterations each; finer lattices "
+        "and further bending are not tried or did not converge.",
         "",
         f"Soft tissue has {SOFT_TISSUE.youngs_modulus:g} kPa and muscle {MUSCLE.youngs_modulus:g} kPa "
         "(chosen), with an "

@@ -66,7 +66,7 @@ def test_left_and_right_mirror_each_other() -> None:
     for plan in MUSCLES:
         right, left = by_name[f"{plan.name}_r"], by_name[f"{plan.name}_l"]
         for one, other in zip(right.strands, left.strands, strict=True):
-            assert np.abs(np.array(one.points) * (-1, 1, 1) - np.array(other.points)).max() < 10.0, plan.name
+            assert np.abs(np.array(one.points) * (-1, 1, 1) - np.array(other.points)).max() < 1e-6, plan.name
 
 
 def test_the_elbow_bends_by_25_degrees_and_stays_where_it_is() -> None:

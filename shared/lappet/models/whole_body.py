@@ -162,22 +162,23 @@ def _bent(model: WholeBodyModel, places: Mapping[str, NDArray[np.float64]]) -> R
 
 
 def _muscles(places: Mapping[str, NDArray[np.float64]], skin: BodySkin) -> tuple[Muscle, ...]:
+    """The muscles; those of the left side mirror those of the right, also in a body that is not quite symmetric."""
     made = []
     for plan in MUSCLES:
-        for side in ("r", "l"):
+        right = tuple(_strand(each, places, skin) for each in plan.strands)
+        left = tuple(Strand(tuple((-x, y, z) for x, y, z in each.points), each.radii) for each in right)
+        for side, strands in (("r", right), ("l", left)):
             name = f"{plan.name}_{side}"
-            strands = tuple(_strand(each, places, side, skin) for each in plan.strands)
             made.append(Muscle(name, strands, name))
     return tuple(made)
 
 
-def _strand(plan: StrandPlan, places: Mapping[str, NDArray[np.float64]], side: str, skin: BodySkin) -> Strand:
+def _strand(plan: StrandPlan, places: Mapping[str, NDArray[np.float64]], skin: BodySkin) -> Strand:
     """A strand whose belly bulges like a parabola, pushed inwards to where skin and fat cover it."""
-    first, last = _place(plan.origin, places, side), _place(plan.insertion, places, side)
+    first, last = _place(plan.origin, places), _place(plan.insertion, places)
     share = np.linspace(0.0, 1.0, _POINTS)
     belly = 4.0 * share * (1.0 - share)
-    bulge = np.array(plan.bulge) * (1.0 if side == "r" else -1.0, 1.0, 1.0)
-    course = (1.0 - share[:, None]) * first + share[:, None] * last + belly[:, None] * bulge
+    course = (1.0 - share[:, None]) * first + share[:, None] * last + belly[:, None] * np.array(plan.bulge)
     radii = plan.radius * (_TENDON + (1.0 - _TENDON) * belly)
     for _ in range(_PUSHES):
         depth, inwards = skin.depth(course)
@@ -186,7 +187,7 @@ def _strand(plan: StrandPlan, places: Mapping[str, NDArray[np.float64]], side: s
     return Strand(tuple((float(x), float(y), float(z)) for x, y, z in course), tuple(radii.tolist()))
 
 
-def _place(end: End, places: Mapping[str, NDArray[np.float64]], side: str) -> NDArray[np.float64]:
-    first, second = (places[name.replace("*", side)] for name in end.joints)
-    shift = np.array(end.shift) * (1.0 if side == "r" else -1.0, 1.0, 1.0)
-    return (1.0 - end.share) * first + end.share * second + shift
+def _place(end: End, places: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+    """A place of an end on the right side."""
+    first, second = (places[name.replace("*", "r")] for name in end.joints)
+    return (1.0 - end.share) * first + end.share * second + np.array(end.shift)
