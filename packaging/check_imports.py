@@ -34,7 +34,7 @@ LAYERS = (
     "session",
     "server",
 )
-BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bpy_extras", "bl_ui"}
+BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bpy_extras", "bl_ui", "bl_operators"}
 ADDON = "lappet_blender"
 PXR_MODULE = Path("shared/lappet/usd/stage.py")
 # The folders of `shared/lappet` in the order in which data passes through them.
@@ -77,8 +77,11 @@ ADDON_FOLDERS = (
     "events",
     "display",
     "tools",
+    "strips",
     "files",
     "plates",
+    "start",
+    "translation",
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTRINSICS = re.compile(r"^(xsimd/|[a-z0-9]*mmintrin\.h$|immintrin\.h$|x86intrin\.h$|arm_neon\.h$|arm_sve\.h$)")

@@ -82,8 +82,11 @@ def suture_runs(name: str) -> st.SearchStrategy[SutureRun]:
 def events(name: str) -> st.SearchStrategy[Event]:
     """An event of any kind with that name."""
     named = st.just(name)
+    directions = points.filter(any)  # zero in a file is none
     return st.one_of(
-        st.builds(Incision, named, numbers, curves, st.none() | numbers, numbers, bases, st.booleans()),
+        st.builds(
+            Incision, named, numbers, curves, st.none() | numbers, numbers, bases, st.booleans(), st.none() | directions
+        ),
         st.builds(Excision, named, numbers, curves),
         st.builds(Undermine, named, numbers, curves, bases),
         st.builds(Hook, named, points, _samples(points), numbers, numbers, numbers),

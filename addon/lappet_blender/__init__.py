@@ -10,7 +10,19 @@ from functools import partial
 from importlib import import_module
 
 # In this order; each has a module `registration` with its `CLASSES`, and `register` and `unregister` for the rest.
-_PARTS = ("model", "tissue", "events", "files", "solving", "display", "tools", "plates")
+_PARTS = (
+    "model",
+    "tissue",
+    "events",
+    "files",
+    "solving",
+    "display",
+    "tools",
+    "strips",
+    "plates",
+    "start",
+    "translation",
+)
 
 
 def register() -> None:

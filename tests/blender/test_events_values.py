@@ -61,6 +61,7 @@ def scene(scene: bpy.types.Scene) -> bpy.types.Scene:
     [
         Incision("cut", 3.0, ((0.1, 2.0, TOP), (7.3, -1.0, TOP), (9.0, 1.0, TOP)), kerf=0.05),
         Incision("shallow", 3.5, ((0.0, 0.0, TOP), (1.0, 0.0, TOP), (2.0, 3.0, TOP)), 1.3, 0.2, "catmullRom", True),
+        Incision("bevel", 3.5, ((0.0, 0.0, TOP), (1.0, 0.0, TOP)), direction=(0.25, 1.1, -1.0)),
         Excision("out", 4.0, ((0.3, 0.2, TOP), (4.0, 0.0, TOP))),
         Undermine("under", 6.0, ((0.0, 0.0, TOP), (5.0, 0.0, TOP), (0.0, 5.0, TOP)), "bspline"),
         HOOK,

@@ -34,6 +34,15 @@ import time
 print("drawing", flush=True)
 time.sleep(600)
 """
+# As `lappet film` starts Blender and FFmpeg; the child does not end when it is asked to.
+BUSY = """#!{python}
+import subprocess, sys, time
+child = "import signal, sys, time; signal.signal(signal.SIGTERM, signal.SIG_IGN)\\n"
+child += "while True: open(sys.argv[1], 'a').write('.'); time.sleep(0.05)"
+subprocess.Popen([sys.executable, "-c", child, sys.argv[4]])
+print("drawing", flush=True)
+time.sleep(600)
+"""
 FAILS = """#!{python}
 import sys
 print("error: The language 'xx' is not known.", file=sys.stderr)
@@ -114,6 +123,19 @@ def test_a_cancelled_command_ends_at_once(tmp_path: Path) -> None:
     assert (made.state, made.problem) == ("cancelled", None)
     assert made._process is not None
     assert made._process.poll() is not None
+
+
+def test_what_a_cancelled_command_has_started_ends_too(tmp_path: Path) -> None:
+    made = job(tmp_path, BUSY)
+    beat = tmp_path / "plate.svg"  # where its child writes, on and on
+    end = time.monotonic() + 20.0
+    while not (made.said and beat.exists() and beat.stat().st_size > 3) and time.monotonic() < end:
+        time.sleep(0.02)
+    made.cancel(20.0)
+    assert made.state == "cancelled"
+    before = beat.stat().st_size
+    time.sleep(0.5)
+    assert beat.stat().st_size == before > 3
 
 
 def test_without_a_command_a_sentence_says_so(

@@ -54,6 +54,10 @@ class Layout:
         getattr(owner, name)
         self.drawn.append(("property", name))
 
+    def popover(self, panel: str, **_: Any) -> None:
+        assert hasattr(bpy.types, panel)
+        self.drawn.append(("popover", panel))
+
 
 def draw(panel: Any) -> tuple[str, list[str]]:
     """(all text in a row, operators)"""

@@ -163,7 +163,14 @@ def test_the_preferences_draw_their_fields_and_what_the_daemon_said(preferences:
         def column(self, **_: Any) -> Layout:
             return Layout()
 
+        row = column
+
+        def operator(self, name: str, **_: Any) -> None:
+            getattr(bpy.ops.lappet, name.partition(".")[2]).get_rna_type()
+            drawn.append(name)
+
     owner = SimpleNamespace(layout=Layout(), daemon="", server_key="", key="", command="")
     LappetPreferences.draw(owner, bpy.context)
     assert drawn[:3] == ["daemon", "server_key", "key"]
     assert "started on this computer" in " ".join(drawn[3:])
+    assert {"lappet.template_install", "lappet.assets_install"} <= set(drawn)

@@ -78,3 +78,14 @@ def test_a_full_disk_is_a_sentence_and_leaves_no_file_that_is_cut_short(case: st
     assert name in last
     assert name not in seen.read_text().split()
     assert not [each for each in seen.read_text().split() if each.endswith(".part")]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
+@pytest.mark.parametrize("arguments", [["--help"], ["completion", "bash"], ["flap", "list"]])
+def test_what_cannot_be_printed_is_a_sentence_without_a_traceback(arguments: list[str]) -> None:
+    command = [sys.executable, "-c", "from lappet.commands.cli import main; main()", *arguments]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert "No space left on device" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -28,7 +28,7 @@ def test_the_filmstrip_tells_the_operation_in_order(cache: SkinCache) -> None:
         f for f in cache.frames if f < min(e.start for e in cache.events if e.kind == "Suture")
     )
     assert all(a.frame < b.frame for a, b in pairwise(steps))
-    assert steps[1].detail == "central limb"
+    assert steps[1].detail == "1 incision"
     assert steps[4].detail == "4 sutures"
 
 
@@ -69,7 +69,7 @@ def test_the_story_names_undermining_and_tells_buried_sutures_apart() -> None:
     steps = story_steps(events, frames, buried=2)
     assert (steps[1].caption, steps[1].detail, steps[1].frame) == (
         "Incised and undermined",
-        "limb; dashed: undermined",
+        "1 incision; dashed: undermined",
         5,
     )
     assert [(s.caption, s.frame) for s in steps[3:]] == [("Laid in place", 8), ("Sutured", 11), ("Final result", 14)]
@@ -113,4 +113,15 @@ def test_a_story_never_has_more_panels_than_the_sheet_nor_two_of_one_frame() -> 
 def test_chosen_frames_are_captioned_by_their_number_and_newest_event() -> None:
     events = [StepEvent("Incision", "upper_limb", 3, 3), StepEvent("Suture", "tip", 8, 9)]
     steps = step_captions(events, [1.0, 5.0, 8.0])
-    assert [(s.caption, s.detail) for s in steps] == [("Frame 1", ""), ("Frame 5", "upper limb"), ("Frame 8", "tip")]
+    assert [(s.caption, s.detail) for s in steps] == [("Frame 1", ""), ("Frame 5", "incised"), ("Frame 8", "sutured")]
+
+
+def test_no_caption_holds_the_name_of_an_event() -> None:
+    events = [
+        StepEvent("Incision", "limb_7", 2, 2),
+        StepEvent("Hook", "tip_7", 4, 8),
+        StepEvent("Suture", "s_7", 9, 11),
+    ]
+    frames = [float(t) for t in range(1, 15)]
+    told = [*story_steps(events, frames, lambda time: -abs(time - 6.0)), *step_captions(events, frames)]
+    assert not any("7" in f"{step.caption.removeprefix(f'Frame {step.frame:g}')} {step.detail}" for step in told)

@@ -83,4 +83,5 @@ def scenario(blender: Driver) -> Steps:
     blender.expect(len(frames.problems_of(scene)) > 0, "a hole is said in the sidebar")
 
 
-run(scenario)
+if __name__ == "__main__":
+    run(scenario)

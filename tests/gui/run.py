@@ -35,7 +35,7 @@ def main() -> int:
     made = subprocess.run(pack, check=False, stdout=subprocess.PIPE, text=True)
     if made.returncode:
         return 1
-    zip_file = Path(made.stdout.rpartition(" (")[0]).relative_to(ROOT)
+    zip_file = Path(made.stdout.splitlines()[-1].rpartition(" (")[0]).relative_to(ROOT)  # other tools speak before
     shutil.rmtree(RESULTS, ignore_errors=True)
     RESULTS.mkdir(parents=True)
     inside = ["python3", str(INSIDE / "tests/gui/run.py"), "--inside", str(zip_file), given.scenario]

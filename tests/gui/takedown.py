@@ -66,7 +66,8 @@ def scenario(blender: Driver) -> Steps:
     bpy.ops.ed.undo_push(message="Procedure")
     yield from blender.show_tab("Lappet")
     yield 0.5
-    for begin in (line_half_drawn, hook_held, suture_half_placed, handle_held, live, solving, playing, lattice_shown):
+    states = (line_half_drawn, hook_held, suture_half_placed, handle_held, strip_held, live, solving, playing)
+    for begin in (*states, lattice_shown):
         for end in (disable, reinstall):
             yield from taken_down(blender, begin, end)
     yield from set_while_it_works(blender)
@@ -151,6 +152,25 @@ def handle_held(blender: Driver) -> Steps:
     yield 0.1
     yield from blender.move((at[0] + 20, at[1] + 10))
     yield from blender.move((at[0] + 40, at[1] + 15))
+
+
+def strip_held(blender: Driver) -> Steps:
+    editor = "DOPESHEET_EDITOR"
+    with blender.override(area=editor):
+        bpy.ops.lappet.strips_room()
+        bpy.ops.action.view_all()
+    yield 0.5
+    view = import_module(f"{MODULE}.strips.strip_view")
+    area, region = blender.area(editor), blender.region("WINDOW", editor)
+    picture = view.picture_in(bpy.context.scene, area.spaces.active, region)
+    box = next(each for each in picture.boxes if each.strip.kind == "HOOK")
+    at = round(region.x + 0.5 * (box.x0 + box.x1)), round(region.y + 0.5 * (box.y0 + box.y1))
+    yield from blender.move(at)
+    blender.event("LEFTMOUSE", "PRESS")
+    yield 0.1
+    yield from blender.move((at[0] + 30, at[1]))
+    yield from blender.move((at[0] + 60, at[1]))
+    blender.expect(bool(view.preview.spans), "a strip is held")
 
 
 def live(blender: Driver) -> Steps:

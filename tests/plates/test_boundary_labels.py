@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import permutations
+from itertools import pairwise, permutations
 from time import perf_counter
 
 import numpy as np
@@ -102,3 +102,46 @@ def test_sixty_labels_in_one_panel_are_refused_with_what_fits() -> None:
 def test_a_label_wider_than_half_a_panel_is_refused() -> None:
     with refuses(ProblemCode.PLATE_LABEL_WIDE, "A"):
         place_labels([("a long label", np.zeros(2))], [40.0], SIZE, LINE, panel="A")
+
+
+def drifting(keep: bool) -> list[list[PlacedLabel]]:
+    """Eight labels whose places drift by a millimeter a panel, over twelve panels."""
+    rng = np.random.default_rng(5)
+    sites = rng.uniform((-14.0, -18.0), (14.0, 18.0), (8, 2))
+    before: dict[str, PlacedLabel] = {}
+    found = []
+    for _ in range(12):
+        labels = [(f"{k}", site) for k, site in enumerate(sites)]
+        found.append(place_labels(labels, [9.0] * 8, SIZE, LINE, before=before if keep else {}))
+        before = {label.text: label for label in found[-1]}
+        sites = sites + rng.normal(0.0, 1.0, sites.shape)
+    return found
+
+
+def jumps(panels: list[list[PlacedLabel]]) -> int:
+    """How often a label has another place than on the panel before."""
+    return sum(
+        float(np.linalg.norm(one.port - other.port)) > 1e-6
+        for first, second in pairwise(panels)
+        for one, other in zip(first, second, strict=True)
+    )
+
+
+def test_labels_keep_their_places_from_panel_to_panel() -> None:
+    kept, free = drifting(keep=True), drifting(keep=False)
+    assert jumps(free) >= 15  # the least total length alone has them jump about
+    assert jumps(kept) <= 4
+    for panel in kept:
+        leaders = [LineString([label.site, label.port]) for label in panel]
+        assert not any(one.crosses(other) for k, one in enumerate(leaders) for other in leaders[:k])
+
+
+def test_a_label_moves_where_its_leader_would_cross_another() -> None:
+    first = place_labels([("a", np.array([-10.0, -6.0])), ("b", np.array([-10.0, 6.0]))], [9.0] * 2, SIZE, LINE)
+    assert first[0].port[1] < first[1].port[1]
+    before = {label.text: label for label in first}
+    swapped = [("a", np.array([-10.0, 6.0])), ("b", np.array([-10.0, -6.0]))]
+    second = place_labels(swapped, [9.0] * 2, SIZE, LINE, before=before)
+    assert not LineString([second[0].site, second[0].port]).crosses(LineString([second[1].site, second[1].port]))
+    moved = [float(np.linalg.norm(now.port - was.port)) > 1e-6 for now, was in zip(second, first, strict=True)]
+    assert sum(moved) == 1  # one gives way, the other stays

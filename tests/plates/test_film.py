@@ -4,17 +4,30 @@ from __future__ import annotations
 
 import re
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from imageio_ffmpeg import get_ffmpeg_exe
 from PIL import Image
+from shapely import LineString, box
 
 from lappet.core.problem_code import ProblemCode
-from lappet.plates.draw_film import FilmOptions, draw_film
+from lappet.drawing.skin_read import SkinCache
+from lappet.plates.boundary_labels import PlacedLabel
+from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_panel
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import chapters, film_frames
+from lappet.plates.plate_cache import chosen_steps
+from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
+from lappet.plates.plate_request import PlateRequest, PlateRow
+from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep, StepKind
+from lappet.plates.plate_style import plate_style
+from lappet.plates.plate_words import plate_words
+from lappet.plates.told_labels import ToldLabels
 from refusals import refuses
 
 PLAN, CUT, END = (
@@ -110,3 +123,36 @@ def test_what_is_no_film_is_refused_before_anything_is_drawn(cache_file: Path, t
     with refuses(ProblemCode.FILM_SPEED):
         draw_film(cache_file, tmp_path / "film.mp4", FilmOptions(fps=0.0))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_labels_of_a_film_neither_jump_nor_flicker(cache: SkinCache, font: PlateFont) -> None:
+    """On the way from step to step names keep their places, their leaders slide, and what has gone does not return."""
+    steps = chosen_steps(cache)
+    frames = film_frames(cache.frames, steps, 8.0, 2.0)
+    request = PlateRequest((PlateRow(cache, tuple(each.step for each in frames)),), {}, WIDTH, 1)
+    size = (WIDTH, 78.0)
+    scene = plate_scene(cache, [step.time for step in steps], "oblique", size)
+    maker = PanelMaker(request, (scene,), plate_style("schematic"), plate_words("en"), font, size)
+    told = ToldLabels()
+    panels = [film_panel(maker, number, frame, told) for number, frame in enumerate(frames)]
+    pairs = 0
+    for (_, one), (second, other) in pairwise(zip(frames, panels, strict=True)):
+        was = {label.text: label for label in one.labels}
+        held = second.step == second.caption
+        assert held or {label.text for label in other.labels} <= set(was)
+        for label in other.labels:
+            if label.text in was and not held:
+                pairs += 1
+                jumps = np.abs(label.port - was[label.text].port).max() > 1e-6
+                assert not jumps or is_in_the_way(was[label.text], other, font), f"{label.text} at {second.step.time}"
+    assert pairs >= 4  # it has labels on the way
+
+
+def is_in_the_way(label: PlacedLabel, panel: PagePanel, font: PlateFont) -> bool:
+    """Whether a label would stand over something that is drawn, were it where it was."""
+    size = plate_style("schematic").label_size
+    inner, half = label.port[0], 0.5 * LINE * size
+    outer = inner + (-1.0 if label.left else 1.0) * (font.width(label.text, size) + 0.4 * LINE * size)
+    text = box(min(inner, outer), label.port[1] - half, max(inner, outer), label.port[1] + half)
+    drawn = [LineString(stroke.points) for stroke in panel.drawing.strokes]
+    return any(each.intersects(text) for each in drawn)

@@ -17,7 +17,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.output.render import PYTHON_VARIABLE
 from lappet.plates.filled_areas import AreaKind
-from lappet.plates.painting import page_paintings
+from lappet.plates.painting import page_paintings, samples_at
 from lappet.plates.plate_cache import chosen_steps
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_page import PlatePage, plate_page
@@ -129,3 +129,7 @@ def test_a_painting_without_blender_is_refused(
     monkeypatch.setenv(PYTHON_VARIABLE, str(python))
     with refuses(ProblemCode.RENDER_NO_BPY):
         page_paintings(painted_page, STYLE, None, DPI)
+
+
+def test_a_dense_picture_needs_fewer_samples_a_pixel() -> None:
+    assert [samples_at(dpi) for dpi in (72, 150, 200, 300, 600, 1000)] == [6, 6, 6, 4, 3, 3]

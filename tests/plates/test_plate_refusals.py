@@ -9,6 +9,7 @@ import pytest
 from lappet.commands.plate_command import plate
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
+from lappet.plates.planned_panels import plate_panels
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import check_format
 from lappet.plates.plate_font import PlateFont
@@ -16,6 +17,7 @@ from lappet.plates.plate_page import plate_page
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_words import LANGUAGES, plate_words
+from lappet.procedure.plate import Plate, PlateAnnotation, PlatePanel
 from refusals import refuses
 
 
@@ -101,3 +103,30 @@ def test_a_caption_without_its_panel_is_a_usage_error(given: str) -> None:
     result = CliRunner().invoke(plate, ["cache.usdc", "-o", "x.svg", "--caption", given])
     assert result.exit_code == 2
     assert given in result.output
+
+
+@pytest.mark.parametrize("look_from", [(0.0, 0.0, -1.0), (1.0, 0.0, -0.2), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+def test_a_camera_inside_the_tissue_is_refused(cache: SkinCache, look_from: tuple[float, float, float]) -> None:
+    """From below the skin, along it, from nowhere, and along what is up in the picture."""
+    panel = PlatePanel("below", "plan", look_from=look_from, look_up=(0.0, 1.0, 0.0))
+    with refuses(ProblemCode.PLATE_CAMERA) as problems:
+        plate_panels(cache, Plate("mine", panels=(panel,)), [])
+    assert problems[0].prim == "below"
+    above = PlatePanel("above", "plan", look_from=(0.3, -0.5, 1.0), look_up=(0.0, 1.0, 0.0))
+    assert plate_panels(cache, Plate("mine", panels=(above,)), [])
+
+
+@pytest.mark.parametrize("size", [6.9, 24.5, float("nan")])
+def test_text_that_no_page_prints_is_refused(size: float) -> None:
+    with refuses(ProblemCode.PLATE_TEXT):
+        plate_style("ink", text=size)
+
+
+def test_sixty_labels_in_one_panel_are_refused(cache: SkinCache, font: PlateFont) -> None:
+    top = float(cache.rest(cache.epochs[0])[:, 2].max())
+    notes = tuple(PlateAnnotation(f"n{k}", "label", ((0.2 * k - 6.0, 5.0, top),), f"{k}") for k in range(60))
+    request = PlateRequest((PlateRow(cache, chosen_steps(cache)),), {}, annotations=notes)
+    with refuses(ProblemCode.PLATE_LABELS) as problems:
+        plate_page(request, plate_style("ink"), plate_words("en"), font)
+    assert problems[0].prim == "A"
+    assert int(problems[0].value) >= 60

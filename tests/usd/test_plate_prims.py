@@ -30,7 +30,9 @@ def full() -> Plate:
     panels = (
         PlatePanel("before", "plan", caption="Défaut – 12 mm"),
         PlatePanel("frame", time=7.25, view="top", at=(1.5, 2.25, 4.0), across=20.0),
-        PlatePanel("detail", "result", at=(1.0, 2.0, 4.0), across=6.0, inset_of="before", ghost="plan"),
+        PlatePanel(
+            "detail", "result", at=(1.0, 2.0, 4.0), across=6.0, inset_of="before", ghost="plan", ghost_filled=True
+        ),
         PlatePanel("cut", "result", section_at=(0.0, 1.0, 4.0), section_normal=(0.0, 1.0, 0.0)),
     )
     notes = (
@@ -49,6 +51,8 @@ def full() -> Plate:
         marks="squares",
         marks_spacing=4.0,
         skin_lines=True,
+        plan_pen="dotted",
+        hatched=False,
     )
 
 

@@ -52,6 +52,7 @@ def _flat(value: object) -> list[float]:
 def _small() -> Procedure:
     return Procedure(flat_patch((10, 10, 2), 5.0), end_time=9.0).with_events(
         Incision("cut", 2.0, ((-1.1, 0, 2), (1.1, 0, 2)), 1.5),
+        Incision("bevel", 2.5, ((-1.1, 1, 2), (1.1, 1, 2)), direction=(0.25, 1.0, -1.1)),
         Hook("hook", (0.1, 0.2, 2), ((2.0, (0.1, 0.2, 2)), (4.5, (0.1, 3.2, 4))), 2.0, 6.0),
         Retractor("pull", "fixed", ((2.0, STILL), (4.0, TURN)), 2.0, 6.0),
         Suture("stitch", ((0, -1.3, 2), (0, 1.3, 2)), 6.0),
@@ -199,6 +200,7 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
     unlike_0_1 = (
         "lappet:gravityDirection",
         "lappet:bedShear",
+        "lappet:direction",
         "lappet:fiber:slack",
         "lappet:fiber:angle",
     )  # authored where they are not the default

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..interface.sidebar_panel import CLOSED, SidebarPanel
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, draw_presets
 from .look_materials import quantity_of
 
 
@@ -12,6 +12,10 @@ class LAPPET_PT_look(SidebarPanel, bpy.types.Panel):
     bl_label = "Look"
     bl_order = 40
     bl_options = CLOSED
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """The user's own presets."""
+        draw_presets(self.layout, "LAPPET_PT_look_presets")
 
     def draw(self, context: bpy.types.Context) -> None:
         """Color, parts, stage."""

@@ -26,6 +26,7 @@ _COPIED = (
     "through",
     "depth",
     "kerf",
+    "direction",
     "stiffness",
     "mode",
     "thread",

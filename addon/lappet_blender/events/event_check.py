@@ -8,11 +8,11 @@ import bpy
 
 from lappet.checks.event_conflicts import event_conflicts
 from lappet.checks.event_problems import EventCheck
-from lappet.checks.mesh_problems import mesh_problems
 from lappet.core.problem import RefusedError, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.mesh_faults import mesh_faults
 from lappet.procedure import Event, Procedure, Tissue
-from lappet.procedure.prim_paths import TIMELINE, TISSUE
+from lappet.procedure.prim_paths import TIMELINE
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.rest_space import RestSpace
 
@@ -61,6 +61,7 @@ def tissue_of(scene: bpy.types.Scene) -> Tissue:
 def rest_space(tissue: Tissue) -> RestSpace | None:
     """Distances from the tissue, or None where its mesh is in disorder; kept until the tissue changes."""
     if not _rest or _rest[0][0] is not tissue:
-        readable = mesh_problems(tissue, TISSUE).readable
-        _rest[:] = [(tissue, RestSpace(tissue.points, fan_triangles(tissue)[0]) if readable else None)]
+        # No kind of fault is asked for but that numbers are unusable: to search for crossings takes seconds.
+        usable = not mesh_faults(tissue.points, tissue.face_vertex_counts, tissue.face_vertex_indices, ())
+        _rest[:] = [(tissue, RestSpace(tissue.points, fan_triangles(tissue)[0]) if usable else None)]
     return _rest[0][1]

@@ -10,7 +10,7 @@ import bpy
 from lappet.core.value_with_error import with_error
 from lappet.designs.library import DESIGNS
 
-from ..interface.sidebar_panel import SidebarPanel, with_fields
+from ..interface.sidebar_panel import SidebarPanel, draw_presets, with_fields
 from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
 from ..model.event_target import is_there
@@ -167,6 +167,7 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             deep.active = not event.through
             deep.prop(event, "depth")
             fields.prop(event, "kerf")
+            fields.prop(event, "direction")
             fields.prop(event, "closed")
         case "HOOK":
             fields.prop(event, "stiffness")
@@ -174,7 +175,9 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             fields.prop(event, "grip")
         case "SUTURE":
             fields.prop(event, "duration")
-            fields.prop(event, "mode")
+            row = fields.row(align=True)
+            row.prop(event, "mode")
+            draw_presets(row, "LAPPET_PT_thread_presets")
             if event.mode == "THREAD":
                 fields.prop(event, "thread")
                 if event.thread == "NONE":

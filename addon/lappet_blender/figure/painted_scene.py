@@ -16,7 +16,7 @@ from lappet.drawing.suture_thread import SutureThread, buried_sutures
 from lappet.drawing.wound_edge import WoundEdge
 from lappet.procedure import VESSEL_KINDS
 
-from ..look.painted_material import painted_bed, painted_skin, painted_underside, painted_wall
+from ..look.painted_material import is_dark, painted_bed, painted_skin, painted_underside, painted_wall
 from ..look.scenery import add_scenery
 from ..look.skin_import import Bed, SkinObject
 from ..look.skin_material import (
@@ -80,7 +80,7 @@ class PaintedScene:
             SkinObject(cache, materials),
             Bed(cache, painted_bed()),
             DrawnTubes("Wound edge", WoundEdge(cache), edge_material(), 6),
-            DrawnTubes("Sutures", thread, thread_material(), 10),
+            DrawnTubes("Sutures", thread, thread_material(is_dark(tone)), 10),
             *(
                 DrawnTubes(f"Vessels: {kind}", VesselTubes(cache, kind), vessel_material(kind), 20)
                 for kind in VESSEL_KINDS

@@ -13,6 +13,7 @@ class SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Lappet"
+    bl_translation_context = "Lappet"  # Blender's own words mean something else: to solve, in tracking
 
 
 def with_fields(layout: Any) -> Any:
@@ -20,3 +21,10 @@ def with_fields(layout: Any) -> Any:
     layout.use_property_split = True
     layout.use_property_decorate = False
     return layout
+
+
+def draw_presets(layout: Any, panel: str) -> None:
+    """A button that opens the user's own presets: `panel` is the name of their panel (start/own_presets.py)."""
+    row = layout.row()
+    row.emboss = "NONE"
+    row.popover(panel, icon="PRESET", text="")

@@ -18,6 +18,9 @@ RIDING = Space(rest=True)
 _WARM = (0.735, 0.455, 0.335)  # linear; without a tone of the Monk scale
 _BLUSH = (1.0, 0.83, 0.78)  # what blood under the skin takes off green and blue
 _VESSEL = (0.26, 0.018, 0.022, 1.0)
+_GLOSS, _LEAST_GLOSS, _LIGHT_SKIN = 0.36, 0.3, 0.2  # of light skin; the least share of it; linear grey of light skin
+_DARK = 0.15  # linear grey, of the seventh tone of the Monk scale
+_WARM_GLOSS = (0.05, 0.12)  # what the sheen of the darkest skin lacks of green and blue
 _PORES, _RELIEF = 11.0, 7.5  # per cm
 _INSIDE = 0.35  # of the light that comes back has been in the skin
 _WAY = (0.10, 0.038, 0.022)  # cm that red, green and blue go there
@@ -30,10 +33,17 @@ def linear(color: str) -> tuple[float, float, float]:
     return low[0], low[1], low[2]
 
 
+def is_dark(tone: str) -> bool:
+    """Whether a tone #rrggbb is so dark that dark threads are not seen on it."""
+    return bool(tone) and sum(linear(tone)) / 3.0 < _DARK
+
+
 def painted_skin(tone: str = "") -> bpy.types.Material:
     """The skin. tone: #rrggbb; "" for a warm one of its own."""
     nodes = MaterialNodes("Skin", RIDING)
     base = linear(tone) if tone else _WARM
+    # On dark skin the same white sheen would lie over most of the color and turn it grey.
+    gloss = min(max(sum(base) / (3.0 * _LIGHT_SKIN), _LEAST_GLOSS), 1.0)
     flushed = (base[0] * _BLUSH[0], base[1] * _BLUSH[1], base[2] * _BLUSH[2])
     blush = nodes.ramp(nodes.noise(0.9, 3.0), ((0.36, (0.0, 0.0, 0.0)), (0.72, (0.55, 0.55, 0.55))))
     speckle = nodes.math("MULTIPLY_ADD", nodes.noise(7.0, 4.0), 0.16, 0.92)
@@ -45,7 +55,8 @@ def painted_skin(tone: str = "") -> bpy.types.Material:
     return nodes.finish(
         color,
         Roughness=roughness,
-        Specular_IOR_Level=0.36,
+        Specular_IOR_Level=_GLOSS * gloss,
+        Specular_Tint=(1.0, *(1.0 - (1.0 - gloss) * each for each in _WARM_GLOSS), 1.0),
         Subsurface_Weight=_INSIDE,
         Subsurface_Radius=_WAY,
         Subsurface_Scale=1.0,

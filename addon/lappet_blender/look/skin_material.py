@@ -25,6 +25,7 @@ BED = (0.47, 0.115, 0.10, 1.0)
 EDGE = (0.30, 0.045, 0.04, 1.0)
 VIOLET = (0.115, 0.045, 0.26, 1.0)
 THREAD = (0.008, 0.012, 0.045, 1.0)
+PALE_THREAD = (0.50, 0.62, 0.85, 1.0)
 STEEL = (0.62, 0.64, 0.66, 1.0)
 GRID_PITCH = 5.0
 TICK_PITCH = 1.0
@@ -207,9 +208,9 @@ def landmark_material() -> bpy.types.Material:
     return MaterialNodes("Landmark").finish((0.02, 0.16, 0.42, 1.0), Roughness=0.4)
 
 
-def thread_material() -> bpy.types.Material:
-    """Monofilament nylon, blue-black."""
-    return MaterialNodes("Thread").finish(THREAD, Roughness=0.32)
+def thread_material(pale: bool = False) -> bpy.types.Material:
+    """Monofilament nylon, blue-black. pale: undyed, as it is told from dark skin."""
+    return MaterialNodes("Thread").finish(PALE_THREAD if pale else THREAD, Roughness=0.32)
 
 
 def steel_material() -> bpy.types.Material:

@@ -5,9 +5,11 @@ Points are material (rest) coordinates in mm, whatever the scene's unit. Times a
 
 import bpy
 from bpy.props import (
+    BoolProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     StringProperty,
 )
 
@@ -72,6 +74,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     enabled: flag(
         name="Enabled", description="Whether the event happens; an event that is off stays in the list", default=True
     )
+    selected: BoolProperty(name="Selected", description="Its strip is selected on the strip timeline")
     start: number(name="Frame", description="The frame at which it happens or starts", default=1.0)
     end: number(name="Release", description="The frame at which the hook or retractor lets go", default=25.0)
     duration: FloatProperty(
@@ -87,6 +90,12 @@ class LappetEvent(bpy.types.PropertyGroup):
     through: flag(name="Through", description="Cut through the whole tissue", default=True)
     depth: number(name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.0)
     kerf: number(name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.0, precision=3)
+    direction: FloatVectorProperty(
+        name="Direction",
+        description="Direction in which the blade goes into the tissue; zero to cut square to the skin everywhere",
+        size=3,
+        update=property_changed,
+    )
     stiffness: FloatProperty(
         name="Stiffness",
         description="Stiffness of the hook or suture, in mN/mm",

@@ -51,7 +51,9 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
     match event.kind:
         case "INCISION":
             depth = None if event.through else decimal(event.depth)
-            return Incision(name, time, points, depth, decimal(event.kerf), basis, bool(event.closed))
+            x, y, z = (decimal(value) for value in event.direction)
+            direction = (x, y, z) if (x, y, z) != (0.0, 0.0, 0.0) else None
+            return Incision(name, time, points, depth, decimal(event.kerf), basis, bool(event.closed), direction)
         case "EXCISION":
             return Excision(name, time, points)
         case "UNDERMINE":
@@ -120,6 +122,7 @@ def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
             if value.depth is not None:
                 event.depth = value.depth
             event.basis = _BASIS_NAMES[value.basis]
+            event.direction = value.direction or (0.0, 0.0, 0.0)
             set_points(event, value.points)
         case Excision():
             event.start = value.time

@@ -19,7 +19,15 @@ from bpy.props import (
 )
 
 from lappet.drawing.skin_source import SCALARS
-from lappet.procedure.plate import ANNOTATION_ANCHORS, JOURNALS, PLATE_MARKS, PLATE_STYLES, PLATE_VIEWS, Plate
+from lappet.procedure.plate import (
+    ANNOTATION_ANCHORS,
+    JOURNALS,
+    PLAN_PENS,
+    PLATE_MARKS,
+    PLATE_STYLES,
+    PLATE_VIEWS,
+    Plate,
+)
 
 from .event_properties import LappetPoint
 from .plate_names import is_shown, rename, set_shown
@@ -45,6 +53,7 @@ STYLES = tuple((style, style.capitalize(), "") for style in PLATE_STYLES)
 QUANTITIES = (("NONE", "None", "Nothing is mapped"), *((name, name.capitalize(), "") for name in SCALARS))
 JOURNAL_ITEMS = (("NONE", "None", "No publisher's rules"), *((name, name.capitalize(), "") for name in JOURNALS))
 MARKS = tuple((name or "NONE", (name or "none").capitalize(), "") for name in PLATE_MARKS)
+PENS = tuple((name or "WHOLE", (name or "whole").capitalize(), "") for name in PLAN_PENS)
 KINDS = tuple((kind, kind.capitalize(), "") for kind in ANNOTATION_ANCHORS)
 EXCISED = (
     ("leave-out", "Leave Out", "It is left out where its tissue is gone"),
@@ -85,6 +94,7 @@ class LappetPlatePanel(bpy.types.PropertyGroup):
     across: FloatProperty(name="Across", description="Tissue across the panel, mm", default=40.0, min=2.0)
     inset_of: StringProperty(name="Inset of", description="The panel in whose corner it stands; empty: its own place")
     ghost: EnumProperty(name="Ghost", description="A step whose outlines are drawn through", items=GHOSTS)
+    ghost_filled: BoolProperty(name="Filled", description="What the ghost's cuts lay open is filled, translucent")
     sectioned: BoolProperty(name="Section", description="Show a cross-section at a plane of its own")
     section_at: FloatVectorProperty(name="At", description="A point of the plane, mm", precision=3)
     section_normal: FloatVectorProperty(name="Normal", default=(1.0, 0.0, 0.0))
@@ -136,6 +146,8 @@ class LappetPlate(bpy.types.PropertyGroup):
         name="Apart", description="Distance of the marks at rest, mm", default=Plate.marks_spacing, min=1.0, max=50.0
     )
     skin_lines: BoolProperty(name="Skin Lines", description="The skin lines of the procedure")
+    plan_pen: EnumProperty(name="Plan", description="How planned cuts are drawn", items=PENS)
+    hatched: BoolProperty(name="Hatched", description="The area undermined is hatched", default=True)
     panels: CollectionProperty(type=LappetPlatePanel)
     active_panel: IntProperty(name="Panel")
     annotations: CollectionProperty(type=LappetAnnotation)

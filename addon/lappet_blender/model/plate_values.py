@@ -16,7 +16,7 @@ from lappet.procedure.plate import JOURNALS
 
 from .decimals import decimal, decimals
 
-_FLAGS = ("labels", "letters", "arrows", "measures", "instruments", "skin_lines")
+_FLAGS = ("labels", "letters", "arrows", "measures", "instruments", "skin_lines", "hatched")
 _MOST_TONE, _MOST_COLUMNS = 10, 12
 
 
@@ -78,6 +78,8 @@ def plate_value(each: Any) -> Plate:
         marks="" if each.marks == "NONE" else each.marks,
         marks_spacing=decimal(each.marks_spacing),
         skin_lines=bool(each.skin_lines),
+        plan_pen="" if each.plan_pen == "WHOLE" else each.plan_pen,
+        hatched=bool(each.hatched),
     )
 
 
@@ -98,6 +100,7 @@ def panel_value(each: Any) -> PlatePanel:
         _point(each.look_up) if own else None,
         _point(each.section_at) if each.sectioned else None,
         _point(each.section_normal) if each.sectioned else None,
+        bool(each.ghost_filled),
     )
 
 
@@ -127,6 +130,7 @@ def set_plate(each: Any, plate: Plate) -> None:
     for name in _FLAGS:
         setattr(each, name, getattr(plate, name))
     each.text, each.marks_spacing, each.marks = plate.text, plate.marks_spacing, plate.marks or "NONE"
+    each.plan_pen = plate.plan_pen or "WHOLE"
     each.journal = plate.journal if plate.journal in JOURNALS else "NONE"
     for label in plate.landmarks:
         each.landmarks.add().name = label
@@ -140,7 +144,7 @@ def set_panel(each: Any, panel: PlatePanel) -> None:
     """Fill the properties of a new panel."""
     each.name, each.caption, each.inset_of = panel.name, panel.caption, panel.inset_of
     each.step, each.ghost, each.view = panel.step or "FRAME", panel.ghost or "NONE", panel.view or "PLATE"
-    each.time = panel.time
+    each.time, each.ghost_filled = panel.time, panel.ghost_filled
     if panel.look_from is not None and panel.look_up is not None:
         each.view, each.look_from, each.look_up = "OWN", panel.look_from, panel.look_up
     if panel.at is not None:

@@ -323,6 +323,9 @@ class LappetProcedure(bpy.types.PropertyGroup):
     active_region: IntProperty(default=0)
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
+    show_strips: BoolProperty(
+        name="Strips", description="Show the events as strips over the Timeline and the Dope Sheet", default=True
+    )
     flaps: CollectionProperty(type=LappetFlap)
     pages: CollectionProperty(type=LappetPlate)
     active_page: IntProperty(name="Plate")

@@ -19,6 +19,8 @@ from typing import Literal
 from lappet.core.problem import Problem, ProblemsError, file_problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 
+from .process_tree import end_tree, start_tree
+
 JobState = Literal["cache", "drawing", "done", "failed", "cancelled"]
 _LAST_LINES = 4
 _PATIENCE = 5.0  # seconds that a command has to end after it was asked to
@@ -67,12 +69,22 @@ class CommandJob:
         return self.state in ("cache", "drawing")
 
     def cancel(self, wait: float = 0.0) -> None:
-        """End it; what the command had begun to write stays as the command leaves it. wait: seconds to wait for it."""
+        """End it and what it has started; what it had begun to write stays as it leaves it.
+
+        wait: seconds to wait for it.
+        """
         self._cancelled.set()
         with self._lock:
             if self._process is not None and self._process.poll() is None:
-                self._process.terminate()
+                end_tree(self._process)
+                stubborn = threading.Timer(_PATIENCE, self._end_at_once, [self._process])
+                stubborn.daemon = True
+                stubborn.start()
         self._thread.join(wait)
+
+    def _end_at_once(self, process: subprocess.Popen[str]) -> None:
+        if self.running:
+            end_tree(process, at_once=True)
 
     def join(self, timeout: float) -> None:
         """Wait for its end, at most `timeout` seconds."""
@@ -99,25 +111,19 @@ class CommandJob:
 
     def _call(self, command: Sequence[str]) -> None:
         self.state = "drawing"
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-        )
+        process = start_tree(command)
         with self._lock:
             self._process = process
         if self._cancelled.is_set():  # between its start and now
-            process.terminate()
+            end_tree(process)
         with process:
             assert process.stdout is not None
             for line in process.stdout:
                 if line.strip():
                     self.said.append(line.strip())
             status = self._ended(process)
+        if self._cancelled.is_set():
+            end_tree(process, at_once=True)  # what has not ended with the command
         if status:
             said = " ".join(self.said) or f"exit status {status}"
             self.problem = problem(ProblemCode.LAPPET_COMMAND_FAILED, self.target.name, said)
@@ -127,5 +133,6 @@ class CommandJob:
         try:
             return process.wait(_PATIENCE)
         except subprocess.TimeoutExpired:
+            end_tree(process, at_once=True)
             process.kill()
             return process.wait()

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..interface.sentence_lines import draw_sentence
-from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, draw_presets, with_fields
 from ..model.plate_names import active_annotation, active_panel, active_plate
 from .output_jobs import last_job, state_line
 
@@ -19,7 +19,7 @@ _KINDS = {
     "arrow": "FORWARD",
     "pivot": "PIVOT_CURSOR",
 }
-_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"))
+_SHOWN = (("labels", "letters", "arrows"), ("measures", "instruments", "skin_lines"), ("hatched",))
 
 
 class LAPPET_UL_plate_panels(bpy.types.UIList):
@@ -39,7 +39,10 @@ class LAPPET_UL_plate_panels(bpy.types.UIList):
     ) -> None:
         row = layout.row(align=True)
         row.prop(item, "title", text="", emboss=False, icon="IMAGE_PLANE" if not item.inset_of else "ZOOM_IN")
-        row.label(text=f"frame {item.time:g}" if item.step == "FRAME" else item.step)
+        if item.step == "FRAME":
+            row.label(text=f"frame {item.time:g}")
+        elif item.step != item.name:  # a panel is called after its step until it is renamed
+            row.label(text=item.step)
 
 
 class LAPPET_UL_plate_annotations(bpy.types.UIList):
@@ -100,6 +103,10 @@ class LAPPET_PT_plate(SidebarPanel, bpy.types.Panel):
     bl_order = 50
     bl_options = CLOSED
 
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """The user's own presets."""
+        draw_presets(self.layout, "LAPPET_PT_plate_presets")
+
     def draw(self, context: bpy.types.Context) -> None:
         layout, data = self.layout, context.scene.lappet
         row = layout.row()
@@ -112,20 +119,39 @@ class LAPPET_PT_plate(SidebarPanel, bpy.types.Panel):
             draw_sentence(layout, context, "Add a plate: a page for print of the operation.", "INFO")
             return
         fields = with_fields(layout.column())
-        for name in ("title", "style", "tone", "width", "columns", "text", "journal", "language", "view", "quantity"):
+        for name in ("title", "style", "view", "language"):
             fields.prop(plate, name)
-        fields.prop(plate, "marks")
+        flags = layout.column(align=True)
+        for names in _SHOWN:
+            row = flags.row(align=True)
+            for name in names:
+                row.prop(plate, name, toggle=True)
+
+
+class LAPPET_PT_plate_page(SidebarPanel, bpy.types.Panel):
+    """What seldom changes: size, publisher, maps, marks, sections."""
+
+    bl_label = "Page"
+    bl_parent_id = "LAPPET_PT_plate"
+    bl_options = CLOSED
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return active_plate(context.scene) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        plate = active_plate(context.scene)
+        if plate is None:
+            return
+        fields = with_fields(self.layout.column())
+        for name in ("tone", "width", "columns", "text", "journal", "quantity", "plan_pen", "marks"):
+            fields.prop(plate, name)
         if plate.marks != "NONE":
             fields.prop(plate, "marks_spacing")
         fields.prop(plate, "sectioned")
         if plate.sectioned:
             fields.prop(plate, "section_at")
             fields.prop(plate, "section_normal")
-        flags = layout.column(align=True)
-        for names in _SHOWN:
-            row = flags.row(align=True)
-            for name in names:
-                row.prop(plate, name, toggle=True)
 
 
 class LAPPET_PT_plate_panels(SidebarPanel, bpy.types.Panel):
@@ -157,6 +183,8 @@ class LAPPET_PT_plate_panels(SidebarPanel, bpy.types.Panel):
             fields.prop(panel, "time")
         for name in ("caption", "view", "ghost"):
             fields.prop(panel, name)
+        if panel.ghost != "NONE":
+            fields.prop(panel, "ghost_filled")
         fields.prop_search(panel, "inset_of", plate, "panels")
         fields.prop(panel, "cropped")
         if panel.cropped:
@@ -236,6 +264,7 @@ CLASSES = (
     LAPPET_MT_plate_panel_add,
     LAPPET_MT_annotation_add,
     LAPPET_PT_plate,
+    LAPPET_PT_plate_page,
     LAPPET_PT_plate_panels,
     LAPPET_PT_plate_annotations,
     LAPPET_PT_plate_output,

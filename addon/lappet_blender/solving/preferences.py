@@ -9,6 +9,12 @@ from ..interface.sentence_lines import draw_sentence
 from ..interface.sidebar_panel import with_fields
 from .chosen_daemon import ADDON, said
 
+# What the extension adds to the user's Blender when it is asked to: (operator that adds, that removes, icon).
+_HOME = (
+    ("lappet.template_install", "lappet.template_remove", "FILE_NEW"),
+    ("lappet.assets_install", "lappet.assets_remove", "ASSET_MANAGER"),
+)
+
 
 class LappetPreferences(bpy.types.AddonPreferences):
     """Which daemon solves"""
@@ -46,6 +52,10 @@ class LappetPreferences(bpy.types.AddonPreferences):
         column.prop(self, "key")
         draw_sentence(layout, context, said(), "INFO")
         layout.prop(self, "command", placeholder="lappet")
+        for add, remove, icon in _HOME:
+            row = self.layout.row(align=True)
+            row.operator(add, icon=icon)
+            row.operator(remove, text="", icon="X")
 
 
 CLASSES = (LappetPreferences,)

@@ -5,7 +5,7 @@ import bpy
 from lappet.tissue.presets import PRESETS
 
 from ..interface.sentence_lines import draw_sentence
-from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, draw_presets, with_fields
 from .tissue_operators import PRESET_ITEMS
 
 
@@ -37,6 +37,10 @@ class LAPPET_PT_materials(SidebarPanel, bpy.types.Panel):
     bl_label = "Materials"
     bl_order = 12
     bl_options = CLOSED
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """The user's own presets."""
+        draw_presets(self.layout, "LAPPET_PT_skin_presets")
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, procedure = with_fields(self.layout), context.scene.lappet

@@ -79,6 +79,8 @@ class EventCheck:
                 self._positive(ProblemCode.CUT_KERF, event.kerf)
                 if event.depth is not None:
                     self._positive(ProblemCode.CUT_DEPTH, event.depth)
+                if event.direction is not None and not 0.0 < math.hypot(*event.direction) < math.inf:
+                    self._add(ProblemCode.CUT_DIRECTION, at(event.direction))
                 self._curve(event.points, event.basis, event.closed)
             case Excision():
                 self._time("made", event.time)

@@ -6,6 +6,7 @@ Exit status: 0 done, 1 refused or not converged, 2 usage.
 from __future__ import annotations
 
 import os
+import sys
 from typing import Any
 
 import click
@@ -59,7 +60,14 @@ def main() -> None:
     """Run the console script."""
     if os.environ.get(VARIABLE, "").startswith("powershell"):
         add_powershell()
-    cli.main(prog_name="lappet")
+    try:
+        cli.main(prog_name="lappet")
+    except OSError as error:  # of standard output, where no command stands between: help, a script for completion
+        from lappet.commands.refusals import problems_of
+
+        for each in problems_of(error):
+            click.echo(str(each), err=True)
+        sys.exit(1)
 
 
 _MAKING = (solve, follow, demo, check, inspect, render, plate, film, export, lesson, compare, new, models, flap, report)

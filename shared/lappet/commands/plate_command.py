@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import click
 
@@ -16,6 +16,7 @@ from lappet.foreign.limits import ReadLimits
 _STYLES = ("ink", "schematic", "halftone", "wash", "painted")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 _MAPS = ("tension", "strain", "stress")
+_PENS = ("dashed", "dotted", "marker")
 _MARKS = ("grid", "squares", "dots")
 _JOURNALS = ("springer", "elsevier", "plos")
 _VIEWS = ("oblique", "top", "low")
@@ -82,8 +83,8 @@ class PanelCaption(click.ParamType):
 )
 @click.option("--language", type=click.Choice(_LANGUAGES), default="en", show_default=True)
 @click.option("--captions", "own", type=FILE, help="A TOML file with captions and labels in other words.")
-@click.option("--font", type=FILE, help="A font file (.ttf, .otf).  [default: Source Sans Pro]")
-@click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process, for a TIFF in CMYK.")
+@click.option("--font", type=FILE, help="A font file (.ttf, .otf, .ttc).  [default: Source Sans Pro]")
+@click.option("--cmyk", "profile", type=FILE, help="ICC profile of the printing process: a TIFF in CMYK, or a PDF/X-4.")
 @click.option("--transparent", is_flag=True, help="Leave the paper out.")
 @click.option(
     "--section", type=PlaneNumbers(), help="Show a cross-section in every panel but the plan: a point in mm, a normal."
@@ -91,6 +92,9 @@ class PanelCaption(click.ParamType):
 @click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
 @click.option("--marks", type=click.Choice(_MARKS), help="What is printed on the skin and deforms with it.")
 @click.option("--marks-mm", "marks_spacing", type=float, default=5.0, show_default=True, help="Distance of the marks.")
+@click.option("--plan-pen", type=click.Choice(_PENS), help="How planned cuts are drawn.  [default: whole lines]")
+@click.option("--hatched/--not-hatched", default=True, show_default=True, help="Hatch the area undermined.")
+@click.option("--overlay", is_flag=True, help="Draw the outlines of all caches but the first over its panels.")
 @click.option("--skin-lines", is_flag=True, help="Draw the procedure's skin lines.")
 @click.option(
     "--landmark", "landmarks", multiple=True, metavar="LABEL", help="A landmark that is named where it is seen."
@@ -119,6 +123,8 @@ def plate(
     dpi: int | None,
     text: float | None,
     journal: str | None,
+    plan_pen: str | None,
+    overlay: bool,
     profile: Path | None,
     transparent: bool,
     limits: ReadLimits,
@@ -149,6 +155,8 @@ def plate(
             template=template or "",
             text=text,
             journal=journal or "",
+            plan_pen=cast("Any", plan_pen or ""),
+            overlay=overlay,
         )
         drawn = draw_plate(caches, [picture], options, limits, lambda line: click.echo(line, err=True))
         for note in drawn.notes:

@@ -163,6 +163,7 @@ def incise(
         depth=incision.depth,
         kerf=incision.kerf,
         spacing=spacing,
+        direction=incision.direction,
     )
     above = max(0.5 * min(spacing, 1.0), incision.kerf)
     return [cutter(ribbon, incision.kerf, above, ids) for ribbon in ribbons]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.cutting.blade import along_blade
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.surface_check import place
 from lappet.procedure import Basis, Incision, Point
@@ -80,6 +81,7 @@ def skin_ribbons(
     kerf: float = Incision.kerf,
     spacing: float = 1.0,
     step: float | None = None,
+    direction: Point | None = None,
 ) -> list[Ribbon]:
     """Make the ribbons of a curve on the skin.
 
@@ -100,7 +102,8 @@ def skin_ribbons(
     closed
         Whether it returns to its first point.
     depth
-        Depth along the skin's normal in mm, or None for the whole thickness (measured by a ray per sample).
+        Depth along the skin's normal or the direction in mm, or None for the whole thickness (measured by a ray per
+        sample).
     kerf
         Width of the cut in mm.
     spacing
@@ -108,6 +111,8 @@ def skin_ribbons(
     step
         Distance of the samples in mm; None for the lattice spacing, at most 1 mm or, for tissue of metres, a 400th of
         the curve.
+    direction
+        Direction in which the blade goes into the tissue; None for against the skin's normal.
 
     Returns
     -------
@@ -117,7 +122,7 @@ def skin_ribbons(
     Raises
     ------
     RefusedError
-        If the curve cannot be followed, hovers off the skin or misses the tissue.
+        If the curve cannot be followed, hovers off the skin, misses the tissue or faces the blade nowhere.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):
         raise refused(ProblemCode.CUT_KERF, prim, f"{kerf:g}")
@@ -128,8 +133,15 @@ def skin_ribbons(
         step = min(spacing, max(_STEP, float(way) / _MOST_STEPS))
     samples = sample_curve(points, basis, closed, step, prim)
     placed = skin.locate(samples)
-    _check_on_skin(skin, np.asarray(points, np.float64), samples, placed, basis, spacing, prim)
-    paths = _paths(skin, placed, closed, depth, kerf, spacing, step)
+    # A blade with a direction of its own meets no skin beside a rim: there the curve may be drawn in the air.
+    control = np.asarray(points, np.float64) if direction is None else None
+    _check_on_skin(skin, control, samples, placed, basis, spacing, prim)
+    if direction is not None:
+        placed = along_blade(placed, samples, direction, closed, kerf + 0.25 * spacing, prim)
+    on, thick = placed.beyond <= 0.0, np.zeros(len(placed.points))
+    measure = skin.thickness if direction is None else skin.rolled_thickness
+    thick[on] = measure(placed.points[on], placed.normals[on])
+    paths = _paths(skin, placed, thick, closed, depth, kerf, spacing, step)
     ribbons = [ribbon for path in paths for ribbon in _unfolded(path, kerf)]
     if not ribbons:
         first, last = place(samples[0]), place(samples[-1])
@@ -140,7 +152,7 @@ def skin_ribbons(
 
 def _check_on_skin(
     skin: RestSkin,
-    control: NDArray[np.float64],
+    control: NDArray[np.float64] | None,
     samples: NDArray[np.float64],
     placed: SkinPoints,
     basis: Basis,
@@ -153,6 +165,8 @@ def _check_on_skin(
         away = skin.distance(samples)
         at = Place.at(samples[int(away.argmin())])
         raise refused(ProblemCode.CUT_MISSES_TISSUE, prim, f"{float(away.min()):.3g}", place=at)
+    if control is None:
+        return
     # A chord may dip under a curved skin; the points that the curve passes through may not.
     anchors = {"linear": control, "bezier": control[::3]}.get(basis, samples)
     where = placed if anchors is samples else skin.locate(anchors)
@@ -172,6 +186,7 @@ def _check_on_skin(
 def _paths(
     skin: RestSkin,
     placed: SkinPoints,
+    thick: NDArray[np.float64],
     closed: bool,
     depth: float | None,
     kerf: float,
@@ -179,9 +194,7 @@ def _paths(
     step: float,
 ) -> list[_Path]:
     count = len(placed.points)
-    on = placed.beyond == 0.0
-    thick = np.zeros(count)
-    thick[on] = skin.thickness(placed.points[on], placed.normals[on])
+    on = placed.beyond <= 0.0
     known = np.flatnonzero(thick > 0.0)
     if len(known) == 0:
         return []
@@ -207,7 +220,8 @@ def _paths(
             touch = max(kerf, 0.25 * spacing)
             for at_end in (False, True):
                 k = chosen[-1 if at_end else 0]
-                if placed.beyond[k] > 0.0 or skin.to_border(placed.points[k : k + 1])[0] <= touch:
+                beyond = placed.beyond[k]
+                if beyond > 0.0 or (beyond == 0.0 and skin.to_border(placed.points[k : k + 1])[0] <= touch):
                     path = _run_off(skin, path, at_end, run_off)
         paths.append(path)
     return paths

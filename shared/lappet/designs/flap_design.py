@@ -146,6 +146,8 @@ class FlapDesign:
     undermined
         How far around the cuts the skin is undermined, as a share of what is usual; 0 where it stays on its bed, as an
         island flap does.
+    blade
+        Direction in which all of it is cut, shape (3,); None for square to the skin.
     """
 
     excised: tuple[Excised, ...]
@@ -155,3 +157,4 @@ class FlapDesign:
     carries: tuple[Carry, ...] = ()
     flaps: tuple[Point, ...] = ()
     undermined: float = 1.0
+    blade: Point | None = None

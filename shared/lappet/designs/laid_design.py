@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
@@ -12,13 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.crossing_cuts import crossing_cuts
-from lappet.designs.flap_design import FlapDesign
+from lappet.designs.flap_design import Edge, FlapDesign
 from lappet.designs.geodesic_drape import GeodesicDrape, Misfit
 from lappet.designs.library import library_design
 from lappet.designs.skin_holes import SkinHoles
 from lappet.procedure import Tissue
 from lappet.tissue.skin_sheet import SkinSheet
 
+_APART = 0.05  # mm: points of an edge that the skin brings nearer to each other are one
 OFF_SKIN = 10.0  # mm from the skin: a place typed by hand, or the middle of an outline, is nearer
 
 
@@ -61,7 +63,8 @@ def flap_on_skin(
     """
     row = library_design(name)
     given = row.values(values or {})
-    drape = GeodesicDrape(SkinSheet.of(tissue), at)
+    skin = SkinSheet.of(tissue)
+    drape = GeodesicDrape(skin, at)
     require_on_skin(name, at, drape.middle)
     asked: list[NDArray[np.float64]] = []
 
@@ -77,6 +80,8 @@ def flap_on_skin(
         raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
     drape.prepare(np.vstack(asked))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
+    if design.blade is not None:
+        design = with_edges_on_skin(design, skin)
     holes = SkinHoles(tissue)
     if drape.misfit is not None:
         _refuse_misfit(name, drape.misfit, holes)
@@ -89,6 +94,35 @@ def flap_on_skin(
                 ProblemCode.DESIGN_ACROSS_HOLE, name, size, place=Place.at(crossed.middle), at=where, share="less"
             )
     return design
+
+
+def with_edges_on_skin(design: FlapDesign, skin: SkinSheet) -> FlapDesign:
+    """Lay the edges that are sewn onto the skin: those of a cut with a blade may be drawn beside a rim.
+
+    Parameters
+    ----------
+    design
+        The design.
+    skin
+        The skin.
+
+    Returns
+    -------
+    FlapDesign
+        The design with each point of its seams' edges where the skin is closest to it.
+    """
+
+    def laid(edge: Edge) -> Edge:
+        points = np.array(edge.points)
+        on_skin = skin.place(points)
+        apart = np.linalg.norm(np.diff(on_skin, axis=0), axis=1) > _APART
+        chosen = np.concatenate([[True], apart[:-1], [True]]) if len(points) > 2 else np.ones(len(points), bool)
+        moved = np.linalg.norm(on_skin - points, axis=1) > _APART
+        placed = np.where(moved[:, None], on_skin, points)[chosen]
+        return replace(edge, points=tuple((float(x), float(y), float(z)) for x, y, z in placed))
+
+    seams = tuple(replace(seam, edges=(laid(seam.edges[0]), laid(seam.edges[1]))) for seam in design.seams)
+    return replace(design, seams=seams)
 
 
 def require_on_skin(name: str, at: ArrayLike, on_skin: NDArray[np.float64]) -> None:

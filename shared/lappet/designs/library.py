@@ -25,6 +25,7 @@ from lappet.designs.note_flap import NOTE_FLAP
 from lappet.designs.o_t_plasty import O_T_PLASTY
 from lappet.designs.o_z_plasty import O_Z_PLASTY
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
+from lappet.designs.rotation_advancement import MILLARD
 from lappet.designs.rotation_flap import ROTATION
 from lappet.designs.round_excision import ROUND_EXCISION
 from lappet.designs.s_plasty import DUAL_S_PLASTY
@@ -73,6 +74,7 @@ DESIGNS = {
         ISLAND_V_Y,
         KEYSTONE,
         KEYSTONE_III,
+        MILLARD,
     )
 }
 

@@ -29,6 +29,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 # Shares of the tissue's thickness at which sutures lie: through the deep layer, through the dermis, and on the skin.
 DEEP, DERMAL = 0.8, 0.15
+OBLIQUE = 0.3  # where a wall stands oblique to the skin, below whose edge there may be no tissue: no row is deeper
 SEAM_SUTURES = 6.0  # sutures of a row along the longest seam, at least, as long as the lattice can hold them
 BEYOND = 15.0  # mm of skin undermined around the cuts; half of it shrinks with the design
 MARGIN = 24.0  # mm of skin around a design on a patch of its own
@@ -58,13 +59,11 @@ def technique(design: FlapDesign, thickness: float, spacing: float) -> Technique
     seam = max(length(np.array(edge.points)) for seam in design.seams for edge in seam.edges)
     apart = max(min(usual.apart, seam / SEAM_SUTURES), 1.5 * spacing)
     small = min(1.0, seam / 20.0)
+    deep, skin = Row("deep", round(DEEP * thickness, 2)), Row("skin", 0.0)
+    dermal = Row("dermal", round((DERMAL if design.blade is None else OBLIQUE) * thickness, 2), 0.5)
     return replace(
         usual,
-        rows=(
-            Row("deep", round(DEEP * thickness, 2)),
-            Row("dermal", round(DERMAL * thickness, 2), 0.5),
-            Row("skin", 0.0),
-        ),
+        rows=(deep, dermal, skin) if design.blade is None else (dermal, skin),
         apart=apart,
         margin=min(usual.margin, 0.7 * apart),
         beyond=round(0.5 * BEYOND * (1.0 + small) * design.undermined, 2),
@@ -176,7 +175,8 @@ def flap_events(tissue: Tissue, laid: LaidFlap) -> tuple[tuple[Event, ...], floa
     design = flap_on_skin(tissue, laid.design, laid.at, laid.direction, dict(laid.measures), mirrored=laid.mirrored)
     skin = SkinSheet.of(tissue)
     when = schedule(design, laid.start)
-    how = technique(design, thickness_at(tissue, laid.at), tissue.spacing)
+    thickness = thickness_at(tissue, laid.at) if design.blade is None else _thinnest(tissue, skin, design)
+    how = technique(design, thickness, tissue.spacing)
     return _kept_inside(tissue, skin, design, how, flap_operation(design, skin, when, how)), when.end
 
 
@@ -249,14 +249,25 @@ def thickness_at(tissue: Tissue, at: ArrayLike) -> float:
     float
         Distance in mm from the skin there to the bed; 4 where there is none.
     """
-    bed = tissue.subsets.get("bed", ())
+    return float(_thicknesses(tissue, SkinSheet.of(tissue), np.asarray(at, np.float64)[None], "bed")[0])
+
+
+def _thinnest(tissue: Tissue, skin: SkinSheet, design: FlapDesign) -> float:
+    """How thick the tissue is where it is thinnest along what is sewn, mm: a lip is thinner than what is beside it."""
+    edges = np.array([point for seam in design.seams for edge in seam.edges for point in edge.points])
+    return float(_thicknesses(tissue, skin, edges, "underside" if "underside" in tissue.subsets else "bed").min())
+
+
+def _thicknesses(tissue: Tissue, skin: SkinSheet, at: NDArray[np.float64], lower: str) -> NDArray[np.float64]:
+    """Distances in mm from the skin at places (k, 3) to the faces of a subset, shape (k,)."""
+    bed = tissue.subsets.get(lower, ())
     if not len(bed):
-        return _UNMEASURED
+        return np.full(len(at), _UNMEASURED)
     counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
     triangles, _, faces = triangulate(tissue.points, counts, indices)
     below = ClosestPoint(tissue.points, triangles[np.isin(faces, bed)])
-    on_skin, _ = SkinSheet.of(tissue).at(at)
-    return float(below.query(on_skin)[2][0])
+    on_skin, _ = skin.at(at)
+    return np.asarray(below.query(on_skin)[2])
 
 
 def landmark_place(procedure: Procedure, label: str) -> Point:

@@ -49,11 +49,24 @@ def flap_operation(
     """
     return (
         *(
-            Incision(cut.name, when.trim - 1.0 if cut.late else when.incise, cut.outline, kerf=how.kerf, closed=True)
+            Incision(
+                cut.name,
+                when.trim - 1.0 if cut.late else when.incise,
+                cut.outline,
+                kerf=how.kerf,
+                closed=True,
+                direction=design.blade,
+            )
             for cut in design.excised
         ),
         *(
-            Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
+            Incision(
+                _numbered("limbs", k, len(design.incisions)),
+                when.incise,
+                curve,
+                kerf=how.kerf,
+                direction=design.blade,
+            )
             for k, curve in enumerate(design.incisions)
         ),
         *excisions(design, when),

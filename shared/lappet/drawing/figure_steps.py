@@ -14,6 +14,14 @@ MOST_PANELS = 6
 CUTTING = ("Incision", "Excision", "Undermine")
 DONE = {"Incision": "Incised", "Excision": "Excised", "Undermine": "Undermined"}
 HELD = ("Hook", "Retractor", "Suture")
+_WORDS = {"Incision": "incision", "Excision": "excision", "Hook": "hook", "Retractor": "retractor"}
+# What a frame is told by: the kind of the newest event.
+_LATEST = {
+    **{kind: word.lower() for kind, word in DONE.items()},
+    "Hook": "hooked",
+    "Retractor": "held",
+    "Suture": "sutured",
+}
 
 
 @dataclass(frozen=True)
@@ -33,22 +41,6 @@ class Step:
     frame: float
     caption: str
     detail: str = ""
-
-
-def spoken(name: str) -> str:
-    """Spell a prim's name as a reader sees it: `central_limb` becomes `central limb`.
-
-    Parameters
-    ----------
-    name
-        The name.
-
-    Returns
-    -------
-    str
-        The words.
-    """
-    return name.replace("_", " ").strip()
 
 
 def hook_height(source: SkinSource, normal: NDArray[np.float64]) -> Callable[[float], float]:
@@ -74,9 +66,13 @@ def hook_height(source: SkinSource, normal: NDArray[np.float64]) -> Callable[[fl
     return height
 
 
-def _named(events: Sequence[StepEvent], most: int = 3) -> str:
-    names = [spoken(e.name) for e in events]
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+def _numbered(events: Sequence[StepEvent]) -> str:
+    """How many events of each kind, in words; the names of events are the author's own and not for readers."""
+    parts = []
+    for kind, word in _WORDS.items():
+        count = sum(event.kind == kind for event in events)
+        parts += [f"{count} {word}{'s' if count > 1 else ''}"] if count else []
+    return ", ".join(parts)
 
 
 def story_steps(
@@ -141,7 +137,7 @@ def _cut_step(cuts: Sequence[StepEvent], frames: Sequence[float], begin_held: fl
     if "Excised" in kinds and "Incised" in kinds:
         kinds.remove("Incised")  # what is excised was incised all around
     caption = " and ".join([kinds[0], *(k.lower() for k in kinds[1:])])
-    detail = _named([e for e in cuts if e.kind != "Undermine"])
+    detail = _numbered([e for e in cuts if e.kind != "Undermine"])
     if any(e.kind == "Undermine" for e in cuts):
         detail += ("; " if detail else "") + "dashed: undermined"
     last_cut = _at_or_after(frames, max(e.start for e in cuts))
@@ -166,7 +162,7 @@ def _pull_steps(
         top = span[len(span) // 2]
     elif len(span) <= 2 and height:  # the sutures begin with the hooks: the hooks' height tells
         top = max((f for f in frames if begin <= f < end), key=height, default=top)
-    steps = [Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls))]
+    steps = [Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _numbered(pulls))]
     if last > top:
         # Around what is excised one incision runs; more of them cut a flap.
         flap = sum(e.kind == "Incision" for e in cuts) > 1 or all(e.kind != "Excision" for e in cuts)
@@ -218,5 +214,5 @@ def step_captions(events: Sequence[StepEvent], frames: Sequence[float]) -> list[
     steps = []
     for frame in frames:
         past = [e for e in events if e.start <= frame and e.kind != "Landmark"]
-        steps.append(Step(frame, f"Frame {frame:g}", spoken(past[-1].name) if past else ""))
+        steps.append(Step(frame, f"Frame {frame:g}", _LATEST.get(past[-1].kind, "") if past else ""))
     return steps

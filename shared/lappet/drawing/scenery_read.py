@@ -31,7 +31,7 @@ class SceneryMesh:
     triangles: NDArray[np.int32]
 
 
-def read_scenery(stage: Any, mm: float) -> tuple[SceneryMesh, ...]:
+def read_scenery(stage: Any, mm: float, folder_path: str = "/Procedure/Scenery") -> tuple[SceneryMesh, ...]:
     """Read the scenery of a stage; faces of more than three corners are split into fans.
 
     Parameters
@@ -40,13 +40,15 @@ def read_scenery(stage: Any, mm: float) -> tuple[SceneryMesh, ...]:
         The stage.
     mm
         Millimetres in the stage's unit.
+    folder_path
+        Path of the prim below which the meshes lie.
 
     Returns
     -------
     tuple[SceneryMesh, ...]
         The meshes, without those that are broken.
     """
-    folder = stage.GetPrimAtPath("/Procedure/Scenery")
+    folder = stage.GetPrimAtPath(folder_path)
     found = []
     for prim in folder.GetChildren() if folder else []:
         points = np.asarray(prim.GetAttribute("points").Get() or [], np.float32).reshape(-1, 3) * np.float32(mm)

@@ -24,7 +24,8 @@ from lappet.usd.stage import pxr
 class SkinCache(SkinSource):
     """An open skin cache; positions are in mm whatever the stage's unit.
 
-    `fps` is the number of time codes in a second; `scenery` is what is shown around the tissue.
+    `fps` is the number of time codes in a second; `scenery` is what is shown around the tissue, `bones` what
+    lies below it.
 
     Parameters
     ----------
@@ -61,6 +62,7 @@ class SkinCache(SkinSource):
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
         self._events = self._read_events()
         self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
+        self.bones: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm, "/Procedure/Bone")
 
     @property
     def stage(self) -> Any:

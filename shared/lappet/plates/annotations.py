@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.boundary_labels import PlacedLabel
-from lappet.plates.measures import Measure, beside
+from lappet.plates.measures import Measure, beside, dimension, ticked
 from lappet.plates.panel_drawing import PanelDrawing, bent
 from lappet.plates.plate_scene import PlateScene
+from lappet.plates.section_measures import depth_below
 from lappet.plates.skin_anchors import SkinAnchors
 from lappet.procedure.plate import PlateAnnotation
 
 OFF_SKIN = 1.0  # mm: an anchor that lies farther from the skin is refused
 _SEEN = 0.6  # mm: a place that is seen may lie so far behind the surface
-_TICK = 1.0  # mm on paper: half of the stroke at the end of a measured length
+_WIDTH = 5.0  # mm on paper between two points and the dimension of their distance
+_NEAR = 2.0  # mm: what comes so near a section is drawn on it
 _ARC = 4.2  # mm on paper: radius of an angle's arc
 _TEXT = 2.4  # mm on paper from the arc or the arrow to its text
 
@@ -90,12 +93,15 @@ class AnnotationDrawer:
         The panel's name.
     later
         Time codes of the frames from the panel's to the next panel's, ascending; arrows run along them.
+    section
+        The plane in which the panel is cut, or None.
     """
 
     scene: PlateScene
     drawing: PanelDrawing
     panel: str
     later: tuple[float, ...]
+    section: SectionPlane | None = None
 
     def draw(self, annotations: Sequence[PlateAnnotation]) -> DrawnAnnotations:
         """Draw the annotations that stand on the panel.
@@ -129,14 +135,18 @@ class AnnotationDrawer:
         paper, _ = self.drawing.projection.paper(there)
         ends = paper if note.kind != "length" else paper[[0, -1]]
         depths = self.drawing.projection.paper(there)[1]
-        if not all(self._seen(paper[k], depths[k]) for k in ((0, -1) if note.kind == "length" else range(len(paper)))):
+        shown = (0, -1) if note.kind == "length" else range(len(paper))
+        deep = note.kind == "depth" and self.section is None
+        if deep or not all(self._seen(paper[k], depths[k], there[k]) for k in shown):
             if note.panels:
                 found.notes.append(problem(ProblemCode.PLATE_ANCHOR_HIDDEN, note.name, self.panel))
             return
         if note.kind == "label":
             self._label(note, ends[0], found)
-        elif note.kind in ("length", "distance"):
+        elif note.kind in ("length", "distance", "width"):
             self._length(note, there, paper, found)
+        elif note.kind == "depth":
+            self._depth(note, paper[0], found)
         elif note.kind == "angle":
             self._angle(note, there, found)
         elif note.kind == "arrow":
@@ -146,8 +156,10 @@ class AnnotationDrawer:
             if note.text:
                 self._label(note, paper[0], found)
 
-    def _seen(self, place: NDArray[np.float64], depth: float) -> bool:
+    def _seen(self, place: NDArray[np.float64], depth: float, at: NDArray[np.float64]) -> bool:
         inside = (np.abs(place) < 0.5 * np.asarray(self.drawing.projection.size)).all()
+        if self.section is not None:
+            return bool(inside and abs(self.section.beyond(at)) <= _NEAR)
         return bool(inside and depth <= self.drawing.depth_at(place) + _SEEN)
 
     def _label(self, note: PlateAnnotation, site: NDArray[np.float64], found: DrawnAnnotations) -> None:
@@ -162,11 +174,25 @@ class AnnotationDrawer:
     ) -> None:
         length = float(np.linalg.norm(np.diff(there, axis=0), axis=1).sum())
         text = note.text or f"{length:.0f} mm"
+        if note.kind == "width":
+            room = self._wounds(paper)
+            sides = [dimension(paper, away) for away in (_WIDTH, -_WIDTH)]
+            course, middle = max(sides, key=lambda side: float(np.linalg.norm(room - side[1], axis=1).min()))
+            own = middle + _TEXT * _unit(middle - paper.mean(axis=0))
+            at = own if note.offset is None else paper[0] + np.asarray(note.offset)
+            found.measures.append(Measure(text, at, course))
+            return
         if note.offset is None:
             at = beside(paper, self._wounds(paper), [each.at for each in found.measures])
         else:
             at = paper[0] + np.asarray(note.offset)
-        found.measures.append(Measure(text, at, _ticked(paper)))
+        found.measures.append(Measure(text, at, ticked(paper)))
+
+    def _depth(self, note: PlateAnnotation, at: NDArray[np.float64], found: DrawnAnnotations) -> None:
+        measure = depth_below(self.drawing, at, note.text)
+        if measure is not None:
+            place = measure.at if note.offset is None else at + np.asarray(note.offset)
+            found.measures.append(replace(measure, at=place))
 
     def _angle(self, note: PlateAnnotation, there: NDArray[np.float64], found: DrawnAnnotations) -> None:
         vertex = there[1]
@@ -210,12 +236,6 @@ class AnnotationDrawer:
         return np.vstack([paper, *strokes])
 
 
-def _ticked(paper: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A line with a short stroke across it at both ends."""
-
-    def across(end: NDArray[np.float64], inner: NDArray[np.float64]) -> NDArray[np.float64]:
-        way = (inner - end) / max(float(np.linalg.norm(inner - end)), 1e-12)
-        return _TICK * np.array([-way[1], way[0]])
-
-    first, last = across(paper[0], paper[1]), across(paper[-1], paper[-2])
-    return np.vstack([paper[0] + first, paper[0] - first, paper, paper[-1] + last, paper[-1] - last])
+def _unit(way: NDArray[np.float64]) -> NDArray[np.float64]:
+    unit: NDArray[np.float64] = way / max(float(np.linalg.norm(way)), 1e-12)
+    return unit

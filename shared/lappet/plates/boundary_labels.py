@@ -3,12 +3,16 @@
 Each label takes one of the ports at equal distances on the two sides of the panel (boundary labeling with straight
 leaders: Bekos et al. 2007, "Boundary labeling: models and efficient algorithms"). The assignment is solved exactly, as
 an integer program: first without conditions, then with those that its solution breaks, until it breaks none.
+
+Labels that a panel before has keep their places: leaving one costs more than a shorter leader saves, and less than a
+text over what is drawn. They move where they would cross another or cover something.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +28,8 @@ _MARGIN = 0.4  # between a text and the panel's side, in lines
 _ROUNDS = 60
 _ALONG = 4.0  # mm that each sixth of a leader costs which runs along what is taken
 _COVERS = 1e3  # mm that a text over what is taken, or over its own leader, costs
+_MOVES = 200.0  # mm that a text costs which leaves its place of before: more than all that a shorter leader saves
+_STRAYS = 2.0  # times the way by which a leader's begin leaves its place of before
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +64,15 @@ class _Ports:
     cost: NDArray[np.float64]
 
 
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What labels keep free, (k, 2) and (b, 4), and where each was before."""
+
+    taken: NDArray[np.float64]
+    texts: NDArray[np.float64]
+    before: tuple[PlacedLabel | None, ...]
+
+
 def place_labels(
     labels: Sequence[tuple[str, NDArray[np.float64]]],
     widths: Sequence[float],
@@ -66,6 +81,7 @@ def place_labels(
     taken: NDArray[np.float64] | None = None,
     panel: str = "",
     texts: NDArray[np.float64] | None = None,
+    before: Mapping[str, PlacedLabel] = MappingProxyType({}),
 ) -> list[PlacedLabel]:
     """Place labels at the sides of a panel.
 
@@ -86,6 +102,8 @@ def place_labels(
     texts
         Boxes of what is written in the panel already (low x, low y, high x, high y), shape (b, 4): neither a label nor
         a leader runs over one where there is another way.
+    before
+        By their texts, labels of the panel before, which is as large as this one.
 
     Returns
     -------
@@ -107,7 +125,12 @@ def place_labels(
     if widths[wide] > room:
         raise refused(ProblemCode.PLATE_LABEL_WIDE, panel, labels[wide][0], room=f"{room:.0f}")
     sites = [np.atleast_2d(np.asarray(site, np.float64)) for _, site in labels]
-    ports = _ports(sites, np.asarray(widths, np.float64), size, line, rows, (taken, texts))
+    kept = _Kept(
+        np.zeros((0, 2)) if taken is None else taken,
+        np.zeros((0, 4)) if texts is None else texts,
+        tuple(before.get(text) for text, _ in labels),
+    )
+    ports = _ports(sites, np.asarray(widths, np.float64), size, line, rows, kept)
     chosen = _assigned(ports)
     if chosen is None:
         raise refused(ProblemCode.PLATE_LABELS, panel, len(labels), most=len(labels) - 1)
@@ -123,7 +146,7 @@ def _ports(
     size: tuple[float, float],
     line: float,
     rows: int,
-    kept_free: tuple[NDArray[np.float64] | None, NDArray[np.float64] | None],
+    kept: _Kept,
 ) -> _Ports:
     half = 0.5 * np.asarray(size)
     y = (np.arange(rows) + 0.5) * size[1] / rows - half[1]
@@ -135,12 +158,13 @@ def _ports(
         ends[:, half_of] = np.stack(np.broadcast_arrays(inner - sign * _GAP * line, y), axis=-1)
         low, high = np.minimum(inner, outer), np.maximum(inner, outer)
         boxes[:, half_of] = np.stack(np.broadcast_arrays(low, y - 0.5 * line, high, y + 0.5 * line), axis=-1)
-    taken = np.zeros((0, 2)) if kept_free[0] is None else kept_free[0]
-    texts = np.zeros((0, 4)) if kept_free[1] is None else kept_free[1]
+    taken, texts = kept.taken, kept.texts
     begins, cost = np.empty_like(ends), np.empty(ends.shape[:2])
     for k, own in enumerate(sites):
+        was = kept.before[k]
+        strays = 0.0 if was is None else _STRAYS * np.linalg.norm(own - was.site, axis=1)
         for port in range(2 * rows):
-            effort = _effort(own, ends[k, port], taken, line) + _COVERS * _enters(own, ends[k, port], texts)
+            effort = _effort(own, ends[k, port], taken, line) + _COVERS * _enters(own, ends[k, port], texts) + strays
             best = int(np.argmin(effort))
             begins[k, port], cost[k, port] = own[best], effort[best]
             # A leader that runs back below its own text, and a text over what is taken.
@@ -149,6 +173,9 @@ def _ports(
         covered = ((taken >= box[..., :2]) & (taken <= box[..., 2:])).all(axis=2)
         over = ((texts[:, :2] <= box[..., 2:]) & (texts[:, 2:] >= box[..., :2])).all(axis=2)
         cost[k] += _COVERS * (covered.any(axis=1) | over.any(axis=1))
+        if was is not None:
+            away = np.linalg.norm(ends[k] - was.port, axis=1)
+            cost[k] += away + _MOVES * (away > 1e-6)
     return _Ports(begins, ends, boxes, cost)
 
 

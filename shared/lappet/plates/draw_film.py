@@ -19,9 +19,9 @@ from lappet.plates.page_ground import CLEAR, DARK, WHITE, PageGround
 from lappet.plates.painting import Painted, paint
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
-from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_font import plate_font
 from lappet.plates.plate_page import PlatePage, checked_texts
-from lappet.plates.plate_panel import LINE, PanelMaker
+from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import plate_scene
 from lappet.plates.plate_steps import PlateStep
@@ -29,6 +29,7 @@ from lappet.plates.plate_style import Shading, plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import PlateWords, plate_words
 from lappet.plates.title_card import title_card
+from lappet.plates.told_labels import ToldLabels
 
 WIDTH = 150.0  # mm: a page of this width fills the picture, so that text is read from the last row
 
@@ -127,7 +128,7 @@ def draw_film(
     """
     check_film(path, options.size, options.transparent)
     _check(path, options)
-    words, font = plate_words(options.language, options.own), PlateFont(options.font)
+    words, font = plate_words(options.language, options.own), plate_font(options.font, options.language)
     style = plate_style(options.style, options.tone)
     below = 1.5 + LINE * style.caption_size  # mm of the caption
     source = open_cache(cache, limits)
@@ -153,14 +154,16 @@ def draw_film(
         begin = sum(seconds for _, seconds in pictures)
         total = len(frames) * (2 if style.shading is Shading.PAINTING else 1)
         paintings = _painted(makers, frames, options, Path(folder), lambda done: progress(done, total))
+        told = ToldLabels()
         for number, frame in enumerate(frames):
             picture = Path(folder) / f"{number:05d}.png"
-            _draw(makers[number], number, frame, words, font, options, picture, paintings)
+            painting = paintings[number].read_bytes() if paintings else None
+            _draw(makers[number], number, frame, told, options, picture, painting)
             pictures.append((picture, frame.seconds))
             progress(total - len(frames) + number + 1, total)
-        told = [(begin + start, begin + end, caption(step, words)) for start, end, step in chapters(frames)]
-        told = [(0.0, begin, title), *told] if begin else told
-        write_film(pictures, told, title, path, options.size, options.transparent)
+        parts = [(begin + start, begin + end, caption(step, words)) for start, end, step in chapters(frames)]
+        parts = [(0.0, begin, title), *parts] if begin else parts
+        write_film(pictures, parts, title, path, options.size, options.transparent)
     return path
 
 
@@ -182,28 +185,49 @@ def caption(step: PlateStep, words: PlateWords) -> str:
     return words(f"step.{step.kind}", time=f"{step.time:g}")
 
 
+def film_panel(maker: PanelMaker, number: int, frame: FilmFrame, told: ToldLabels) -> PagePanel:
+    """Make a picture's panel: where a film is held it names what is seen; on the way these names ride along.
+
+    Parameters
+    ----------
+    maker
+        Makes panels.
+    number
+        The picture's number.
+    frame
+        The picture.
+    told
+        The labels of the picture before it.
+
+    Returns
+    -------
+    PagePanel
+        The panel.
+    """
+    held = frame.step == frame.caption
+    told.riding = not held
+    told.keys = set() if held else told.keys
+    middle = np.array([0.5 * WIDTH, 0.5 * maker.size[1]])
+    (panel, *_) = maker.panels(number, (caption(frame.caption, maker.words),), middle, told)
+    return replace(panel, letter="")  # it is alone
+
+
 def _draw(
     maker: PanelMaker,
     number: int,
     frame: FilmFrame,
-    words: PlateWords,
-    font: PlateFont,
+    told: ToldLabels,
     options: FilmOptions,
     path: Path,
-    paintings: Sequence[Path],
+    painting: bytes | None,
 ) -> None:
-    """Draw a picture: names with leaders only where it is held, so that they do not jump about."""
-    held = frame.step == frame.caption
-    own = replace(maker, request=replace(maker.request, labels=held))
-    said = caption(frame.caption, words)
-    middle = np.array([0.5 * WIDTH, 0.5 * maker.size[1]])
-    (panel, *_) = own.panels(number, (said,), middle, set())
-    panel = replace(panel, letter="")  # it is alone
+    """Draw a picture."""
+    panel = film_panel(maker, number, frame, told)
+    said = caption(frame.caption, maker.words)
     page = PlatePage(_page_size(options), maker.size, (panel,), said)
     dpi = 25.4 * options.size[0] / WIDTH
-    below = {0: paintings[number].read_bytes()} if paintings else {}
-    svg = plate_svg(page, maker.style, font, dpi, options.ground, below)
-    write_plate(svg, page.size, said, font, path, dpi, transparent=options.transparent)
+    svg = plate_svg(page, maker.style, maker.font, dpi, options.ground, {} if painting is None else {0: painting})
+    write_plate(svg, page.size, said, maker.font, path, dpi, transparent=options.transparent)
 
 
 def _painted(

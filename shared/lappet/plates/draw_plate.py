@@ -17,14 +17,14 @@ from lappet.plates.painting import page_paintings
 from lappet.plates.planned_panels import plate_panels
 from lappet.plates.plate_cache import chosen_steps, compared_steps, open_cache, plate_of
 from lappet.plates.plate_files import check_format, write_plate
-from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_font import plate_font
 from lappet.plates.plate_page import plate_page
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_style import LEAST_TEXT, PlateStyle, plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_templates import from_template
 from lappet.plates.plate_words import LANGUAGES, plate_words
-from lappet.procedure.plate import Plate
+from lappet.procedure.plate import PlanPen, Plate
 from lappet.usd.stage import read_procedure
 
 _DPI = 300
@@ -67,6 +67,10 @@ class PlateOptions:
         Size of labels in points; None for the least that the journal prints, or 7.
     journal
         One of `lappet.procedure.plate.JOURNALS`, whose rules the plate keeps, or "".
+    plan_pen
+        How planned cuts are drawn, one of `lappet.procedure.plate.PLAN_PENS`.
+    overlay
+        Whether the outlines of all caches but the first are drawn over its panels.
     """
 
     style: str = "schematic"
@@ -84,6 +88,8 @@ class PlateOptions:
     template: str = ""
     text: float | None = None
     journal: str = ""
+    plan_pen: PlanPen = ""
+    overlay: bool = False
 
 
 @dataclass(frozen=True)
@@ -145,11 +151,18 @@ def draw_plate(
         kept = from_template(read_procedure(caches[0], limits=limits), options.template)
     if kept is not None:
         options = of_plate(options, kept)
-    words, font = plate_words(options.language, options.own), PlateFont(options.font)
+    words, font = plate_words(options.language, options.own), plate_font(options.font, options.language)
     options, style, journal = _kept_rules(options, tuple(pictures))
     dpi = options.dpi or _DPI
     rows = tuple(_row(source, len(caches) > 1, options, kept, notes) for source in sources)
-    request = PlateRequest(rows, options.captions, **options.shown, annotations=kept.annotations if kept else ())
+    over = rows[1:] if options.overlay else ()
+    request = PlateRequest(
+        (replace(rows[0], title=""),) if over else rows,
+        options.captions,
+        **options.shown,
+        annotations=kept.annotations if kept else (),
+        overlaid=over,
+    )
     page = plate_page(request, style, words, font)
     if journal is not None:
         journal.check_height(page.size)
@@ -203,6 +216,7 @@ def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
         "marks": plate.marks or None,
         "marks_spacing": plate.marks_spacing,
         "skin_lines": plate.skin_lines,
+        "hatched": plate.hatched,
     }
     return replace(
         options,
@@ -211,6 +225,7 @@ def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
         language=plate.language if options.language == default.language else options.language,
         text=(plate.text or None) if options.text is None else options.text,
         journal=journal,
+        plan_pen=options.plan_pen or plate.plan_pen,
         shown={**own, **options.shown},
     )
 
@@ -218,9 +233,9 @@ def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:
 def _kept_rules(options: PlateOptions, pictures: tuple[Path, ...]) -> tuple[PlateOptions, PlateStyle, Journal | None]:
     """Options with what a journal asks where they say nothing, the style, and the journal."""
     if not options.journal:
-        return options, plate_style(options.style, options.tone, options.text or LEAST_TEXT), None
+        return options, plate_style(options.style, options.tone, options.text or LEAST_TEXT, options.plan_pen), None
     journal = journal_of(options.journal)
-    style = plate_style(options.style, options.tone, options.text or journal.text[0])
+    style = plate_style(options.style, options.tone, options.text or journal.text[0], options.plan_pen)
     width = options.shown.get("width") or max(most for _, most, _ in journal.pages)
     dpi = options.dpi or journal.dpi(style)
     journal.check(width, style.text, dpi, style, pictures)
@@ -234,6 +249,6 @@ def _row(
     title = source.path.name.split(".")[0].replace("_", " ") if compared else ""
     if kept is not None and options.frames is None:
         return PlateRow(source, plate_panels(source, kept, notes), title)
-    if compared and options.frames is None:
+    if compared and options.frames is None and not options.overlay:
         return PlateRow(source, compared_steps(source), title)
     return PlateRow(source, chosen_steps(source, options.frames), title)

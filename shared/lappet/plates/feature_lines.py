@@ -21,6 +21,8 @@ class LineKind(StrEnum):
     WALL_FOOT = "wall-foot"
     PLAN = "plan"
     UNDERMINED = "undermined"
+    UNDERMINED_HATCH = "undermined-hatch"
+    DISSECTION = "dissection"
     THREAD = "thread"
     INSTRUMENT = "instrument"
     VESSEL = "vessel"
@@ -28,6 +30,9 @@ class LineKind(StrEnum):
     SKIN_LINE = "skin-line"
     SECTION = "section"
     GHOST = "ghost"
+    VARIANT = "variant"
+    VARIANT_2 = "variant-2"
+    VARIANT_3 = "variant-3"
     MARK = "mark"
     MARK_DOT = "mark-dot"
 

@@ -35,6 +35,7 @@ class AreaKind(StrEnum):
     WALL_SKIN = "wall-skin"
     WALL_FAT = "wall-fat"
     WALL_DEEP = "wall-deep"
+    BONE = "bone"
     EYE = "eye"
     IRIS = "iris"
     PUPIL = "pupil"
@@ -184,6 +185,32 @@ def _at_places(
     places: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """What values at the vertices (n,) are at places on the paper (k, 2) that show some triangles (k,)."""
+    weights = corner_weights(surface, projection, triangle, places)
+    found: NDArray[np.float64] = (weights * values[surface.triangles[triangle]]).sum(axis=1)
+    return found
+
+
+def corner_weights(
+    surface: DrawnSurface, projection: Projection, triangle: NDArray[np.int64], places: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Find how much each corner of a triangle counts at a place on the paper.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    projection
+        How it comes onto the paper.
+    triangle
+        The triangle that is seen at each place, shape (k,).
+    places
+        The places in mm on paper, shape (k, 2).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The weights of the triangle's corners, shape (k, 3); they sum to one.
+    """
     paper, depth = projection.paper(surface.points)
     corners = paper[surface.triangles[triangle]]
     first, second, away = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], places - corners[:, 0]
@@ -191,10 +218,9 @@ def _at_places(
     u = (away[:, 0] * second[:, 1] - away[:, 1] * second[:, 0]) / area
     v = (first[:, 0] * away[:, 1] - first[:, 1] * away[:, 0]) / area
     # Weights on the paper are those on the tissue over the depths of the corners.
-    weights = np.stack([1.0 - u - v, u, v], axis=1) / depth[surface.triangles[triangle]]
+    weights: NDArray[np.float64] = np.stack([1.0 - u - v, u, v], axis=1) / depth[surface.triangles[triangle]]
     weights /= weights.sum(axis=1, keepdims=True)
-    found: NDArray[np.float64] = (weights * values[surface.triangles[triangle]]).sum(axis=1)
-    return found
+    return weights
 
 
 def filled_areas(pixels: SeenPixels) -> list[Area]:

@@ -17,6 +17,7 @@ _MOST = 3  # lengths, and as many angles
 _STRAIGHT_ANGLE = np.radians(150.0)  # what is wider is hardly seen as an angle
 _LEAST = 3.0  # mm: shorter legs are not measured
 _ROOM = (7.0, 3.0)  # mm on paper: two texts nearer than this in width and in height cover each other
+_HEAD = (1.5, 0.5)  # mm on paper: length and half of the width of a dimension's heads
 _STRAIGHT = 1.02  # a leg that is longer than its chord by less is straight
 
 
@@ -119,6 +120,59 @@ def beside(
     far = [float(np.linalg.norm(paper.mean(axis=0) - place)) for place in places]
     best = int(np.argmax([r + 0.05 * f for r, f in zip(room, far, strict=True)]))
     return places[best]
+
+
+def ticked(paper: NDArray[np.float64], half: float = 1.0) -> NDArray[np.float64]:
+    """Put a short stroke across a line at both ends.
+
+    Parameters
+    ----------
+    paper
+        The line in mm on paper, shape (k, 2).
+    half
+        Half the length of a stroke in mm.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The line with them, shape (k + 4, 2).
+    """
+
+    def across(end: NDArray[np.float64], inner: NDArray[np.float64]) -> NDArray[np.float64]:
+        way = (inner - end) / max(float(np.linalg.norm(inner - end)), 1e-12)
+        return half * np.array([-way[1], way[0]])
+
+    first, last = across(paper[0], paper[1]), across(paper[-1], paper[-2])
+    return np.vstack([paper[0] + first, paper[0] - first, paper, paper[-1] + last, paper[-1] - last])
+
+
+def dimension(paper: NDArray[np.float64], away: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Draw a dimension beside two points: lines out from them, and one between with a head at each end.
+
+    Parameters
+    ----------
+    paper
+        The points in mm on paper, shape (2, 2).
+    away
+        How far beside them it lies in mm; negative on the other side.
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.float64]]
+        One line through all of it, shape (k, 2), and the middle of the line between, shape (2,).
+    """
+    way = paper[1] - paper[0]
+    along = way / max(float(np.linalg.norm(way)), 1e-12)
+    side = float(np.sign(away)) * np.array([-along[1], along[0]])
+    ends = paper + abs(away) * side
+    heads = [
+        ends[k] + sign * (_HEAD[0] * along + turn * _HEAD[1] * side)
+        for k, sign in ((0, 1), (1, -1))
+        for turn in (1, -1)
+    ]
+    course = [paper[0], ends[0] + side, ends[0], heads[0], ends[0], heads[1], ends[0]]
+    course += [ends[1], heads[2], ends[1], heads[3], ends[1], ends[1] + side, paper[1]]
+    return np.array(course), ends.mean(axis=0)
 
 
 def _covers(at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]]) -> bool:

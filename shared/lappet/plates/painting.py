@@ -17,7 +17,8 @@ from lappet.plates.plate_page import PlatePage
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.plate_style import MONK, PlateStyle, Shading
 
-SAMPLES = 6  # of Cycles, a pixel; the pictures are denoised
+MOST_SAMPLES, LEAST_SAMPLES = 6, 3  # of Cycles, a pixel; the pictures are denoised
+_DENSE = 200.0  # pixels per inch; where there are more, each needs fewer samples for the same print
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,12 +126,28 @@ def paint(
     job = {
         "rows": list(rows.values()),
         "tone": "" if tone is None else MONK[tone - 1],
-        "samples": SAMPLES,
+        "samples": samples_at(dpi),
     }
     path = folder / "job.json"
     path.write_text(json.dumps(job), encoding="utf-8")
     run_figures([blender_python(), "-m", "lappet_blender.figure.paint_panels", str(path)], next(iter(rows)), say)
     return pictures
+
+
+def samples_at(dpi: float) -> int:
+    """Choose how many samples of Cycles a pixel has.
+
+    Parameters
+    ----------
+    dpi
+        Pixels per inch.
+
+    Returns
+    -------
+    int
+        The number.
+    """
+    return int(np.clip(round(MOST_SAMPLES * _DENSE / dpi), LEAST_SAMPLES, MOST_SAMPLES))
 
 
 def _row(scene: PlateScene) -> dict[str, Any]:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from shapely import LineString, box
 
+from lappet.anatomy.tissue_kind import KINDS
+from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.plates.drawn_surface import DrawnSurface, drawn_surface
 from lappet.plates.feature_lines import FeatureLine, LineKind, surface_lines
 from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, seen_pixels
@@ -32,6 +34,7 @@ _LEAST_AREA = 6.0  # mm² on paper of an area that is named
 _SHARES = np.linspace(0.1, 0.9, 7)  # of a stroke, at which a leader may end
 _MOST_STROKES = 8  # of a kind that leaders may run to
 _LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
+_SHALLOW, _NAMED = {"skin", "scar", "mucosa", "fat"}, {"fascia", "muscle", "cartilage"}
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
 AREA_LABELS = {
     AreaKind.BED: "label.bed",
@@ -43,6 +46,7 @@ AREA_LABELS = {
 STROKE_LABELS = {
     LineKind.PLAN: "label.plan",
     LineKind.UNDERMINED: "label.undermined",
+    LineKind.DISSECTION: "label.dissection",
     LineKind.INSTRUMENT: "label.instrument",
     LineKind.THREAD: "label.thread",
     LineKind.VESSEL: "label.vessel",
@@ -53,6 +57,7 @@ SECTION_LABELS = {
     AreaKind.WALL_SKIN: "section.skin",
     AreaKind.WALL_FAT: "label.wall-fat",
     AreaKind.WALL_DEEP: "label.wall-deep",
+    AreaKind.BONE: "section.bone",
 }
 
 
@@ -91,7 +96,9 @@ class PanelDrawing:
     letters
         Letters of corners.
     arrows
-        Ways of the tips of flaps to the next panels, each of shape (k, 2).
+        Ways of the tips of flaps to the next panels, and of hooks' pull, each of shape (k, 2).
+    ghosts
+        Areas of another state that are drawn through, translucent.
     """
 
     projection: Projection
@@ -101,6 +108,7 @@ class PanelDrawing:
     strokes: tuple[Stroke, ...]
     letters: tuple[Letter, ...]
     arrows: tuple[NDArray[np.float64], ...]
+    ghosts: tuple[Area, ...] = ()
 
     def depth_at(self, place: NDArray[np.float64]) -> float:
         """Look up the depth of what is seen at a place.
@@ -185,6 +193,25 @@ def panel_drawing(
     )
 
 
+def wall_key(key: str, layers: TissueLayers) -> str:
+    """Name the deep layer of a tissue by what it is, where it is one thing.
+
+    Parameters
+    ----------
+    key
+        A label's key in the catalogue.
+    layers
+        The layers of the tissue.
+
+    Returns
+    -------
+    str
+        The key; that of fascia, muscle or cartilage in place of the deep layer's where all deep layers are that.
+    """
+    deep = {KINDS[kind] for kind in layers.kind.tolist()} - _SHALLOW
+    return f"wall.{deep.pop()}" if key == "label.wall-deep" and len(deep) == 1 and deep <= _NAMED else key
+
+
 def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABELS) -> dict[str, NDArray[np.float64]]:
     """Find places to which labels of what is seen can lead.
 
@@ -205,7 +232,7 @@ def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABE
         own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
         lengths = [LineString(points).length for points in own]
         if own and sum(lengths) >= _LEAST_LENGTH:
-            sites[key] = _along(own)
+            sites[key] = along(own)
     for area, key in areas.items():
         place = _inside(drawing, area)
         if place is not None:
@@ -213,8 +240,19 @@ def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABE
     return sites
 
 
-def _along(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Places on some strokes to which a leader may run, (k, 2)."""
+def along(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Choose places on strokes to which a leader may run.
+
+    Parameters
+    ----------
+    courses
+        The strokes in mm, each of shape (k, 2).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Places on the longest of them, shape (n, 2).
+    """
     lines = [LineString(points) for points in courses]
     longest = sorted(lines, key=lambda line: -line.length)[:_MOST_STROKES]
     return np.array([line.interpolate(share, normalized=True).coords[0] for line in longest for share in _SHARES])

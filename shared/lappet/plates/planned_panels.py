@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lappet.core.problem import Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.framing import surgical_field
 from lappet.drawing.skin_source import FigureError, SkinSource
-from lappet.plates.panel_camera import LEAST_ACROSS
+from lappet.plates.panel_camera import LEAST_ACROSS, own_direction
 from lappet.plates.plate_steps import CUTS, PlateStep, StepKind, plate_steps
 from lappet.procedure.plate import PanelStep, Plate
 
+_LEAST_ABOVE = 0.05  # sine of the least angle above the skin from which a panel is seen
 _KINDS: dict[PanelStep, frozenset[StepKind]] = {
     "plan": frozenset({StepKind.PLAN, StepKind.PLAN_EXCISION}),
     "cut": CUTS,
@@ -42,11 +46,13 @@ def plate_panels(source: SkinSource, plate: Plate, notes: list[Problem]) -> tupl
     Raises
     ------
     RefusedError
-        If a frame is not there, none of the steps is, an inset has no panel, a crop has no size, or an annotation
-        names a panel that the plate does not have.
+        If a frame is not there, a camera looks from below the skin, none of the steps is there, an inset has no panel,
+        a crop has no size, or an annotation names a panel that the plate does not have.
     """
     _check(plate)
-    steps = plate_steps(source, surgical_field(source, (source.frames[0],)).normal)
+    normal = surgical_field(source, (source.frames[0],)).normal
+    _check_cameras(plate, normal)
+    steps = plate_steps(source, normal)
     if not plate.panels:
         return tuple(steps)
     found = []
@@ -85,6 +91,17 @@ def _step(source: SkinSource, steps: list[PlateStep], name: PanelStep, time: flo
 def _told_already(name: PanelStep, plate: Plate) -> bool:
     """Whether another panel shows what looks as a step does that the operation does not have."""
     return name in _ALIKE and any(panel.step == _ALIKE[name] and not panel.inset_of for panel in plate.panels)
+
+
+def _check_cameras(plate: Plate, normal: NDArray[np.float64]) -> None:
+    """Refuse cameras that look from below the skin, and directions that are none."""
+    for panel in plate.panels:
+        if panel.look_from is None:
+            continue
+        own = own_direction(panel)
+        if own is None or float(own[0] @ normal) < _LEAST_ABOVE:
+            said = ", ".join(f"{each:g}" for each in panel.look_from)
+            raise refused(ProblemCode.PLATE_CAMERA, panel.name, said)
 
 
 def _check(plate: Plate) -> None:

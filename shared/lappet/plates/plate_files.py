@@ -12,6 +12,8 @@ from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.plate_font import PlateFont
+from lappet.plates.print_pdf import print_pdf
+from lappet.plates.printing_colors import PrintingColors
 
 _SIZE = re.compile(r'width="[^"]*" height="[^"]*" viewBox="[^"]*"')
 _TRIFLE = 0.02  # pixels
@@ -36,15 +38,18 @@ def check_format(path: Path, profile: Path | None = None) -> str:
     Raises
     ------
     RefusedError
-        If the suffix is none of these, the folder is missing, or the format has no colors of printing.
+        If the suffix is none of these, the folder is missing, the format has no colors of printing, or the profile is
+        none of a printing process.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise refused(ProblemCode.PLATE_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     if not path.absolute().parent.is_dir():
         raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
-    if profile is not None and suffix not in (".tif", ".tiff"):
+    if profile is not None and suffix not in (".tif", ".tiff", ".pdf"):
         raise refused(ProblemCode.PLATE_CMYK, path, path.suffix)
+    if profile is not None:
+        PrintingColors(profile)
     return suffix
 
 
@@ -75,7 +80,7 @@ def write_plate(
     dpi
         Pixels per inch of PNG and TIFF.
     profile
-        An ICC profile of a printing process: a TIFF in its colors (CMYK).
+        An ICC profile of a printing process: a TIFF in its colors (CMYK), or a PDF/X-4.
     transparent
         Whether the paper of a PNG is transparent.
 
@@ -91,6 +96,7 @@ def write_plate(
         data = svg.encode()
     elif suffix == ".pdf":
         data = _typeset(svg, size, alt, font, format="pdf", pdf_standards=["ua-1"])
+        data = data if profile is None else print_pdf(data, PrintingColors(profile))
     else:
         data = _rastered(svg, size, alt, font, transparent, dpi)
         if suffix != ".png":
@@ -157,13 +163,7 @@ def _tiff(png: bytes, dpi: float, profile: Path | None) -> bytes:
         own = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
         picture.save(buffer, "TIFF", dpi=(dpi, dpi), compression="tiff_lzw", icc_profile=own)
         return buffer.getvalue()
-    try:
-        printing = ImageCms.ImageCmsProfile(str(profile))
-        if printing.profile.xcolor_space.strip() != "CMYK":
-            raise refused(ProblemCode.PLATE_PROFILE, profile)
-        printed = ImageCms.profileToProfile(picture, ImageCms.createProfile("sRGB"), printing, outputMode="CMYK")
-    except (OSError, ImageCms.PyCMSError) as error:
-        raise refused(ProblemCode.PLATE_PROFILE, profile) from error
-    assert printed is not None
-    printed.save(buffer, "TIFF", dpi=(dpi, dpi), compression="tiff_lzw", icc_profile=printing.tobytes())
+    printing = PrintingColors(profile)
+    printed = printing.of_picture(picture)
+    printed.save(buffer, "TIFF", dpi=(dpi, dpi), compression="tiff_lzw", icc_profile=printing.data)
     return buffer.getvalue()

@@ -11,9 +11,45 @@ from typing import Any
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.plates.installed_fonts import chinese_font
 
 _FAMILY = 16  # name table: typographic family, then family
 _PLAIN_FAMILY = 1
+
+
+def plate_font(path: Path | None, language: str) -> PlateFont:
+    """Choose the font of a plate.
+
+    Parameters
+    ----------
+    path
+        The file that the user names, or None.
+    language
+        Code of the plate's language.
+
+    Returns
+    -------
+    PlateFont
+        That font, or Source Sans Pro; for Chinese an open font that is installed, where there is one.
+
+    Raises
+    ------
+    RefusedError
+        If the file is no font that can be read.
+    """
+    return PlateFont(chinese_font() if path is None and language == "zh" else path)
+
+
+def _simplified_chinese(path: Path) -> int:
+    """The face for simplified Chinese of a file that has several, or else the first; -1 for a file of one face."""
+    from fontTools.ttLib import TTCollection
+
+    with path.open("rb") as file:
+        if file.read(4) != b"ttcf":
+            return -1
+    with TTCollection(path, lazy=True) as faces:
+        names = [str(face["name"].getDebugName(_PLAIN_FAMILY)) for face in faces]
+    return next((k for k, name in enumerate(names) if name.endswith(" SC")), 0)
 
 
 class PlateFont:
@@ -22,7 +58,7 @@ class PlateFont:
     Parameters
     ----------
     path
-        A TrueType or OpenType file; None for Source Sans Pro.
+        A TrueType or OpenType file; None for Source Sans Pro. Of several faces the one for simplified Chinese.
 
     Raises
     ------
@@ -36,7 +72,8 @@ class PlateFont:
         own = Path(str(files("font_source_sans_pro") / "files" / "SourceSansPro-Regular.ttf"))
         self.path = path or own
         try:
-            self._font: Any = TTFont(self.path)
+            self._face = _simplified_chinese(self.path)
+            self._font: Any = TTFont(self.path, fontNumber=self._face)
             self._cmap: dict[int, str] = self._font.getBestCmap()
             self._widths: Any = self._font["hmtx"]
             names = self._font["name"]
@@ -98,7 +135,7 @@ class PlateFont:
         from fontTools.ttLib import TTFont
 
         options = subset.Options(flavor="woff", notdef_outline=True, recalc_timestamp=False)
-        font = TTFont(self.path, recalcTimestamp=False)
+        font = TTFont(self.path, fontNumber=self._face, recalcTimestamp=False)
         cutter = subset.Subsetter(options)
         cutter.populate(text="".join(sorted({each for text in texts for each in text})))
         cutter.subset(font)

@@ -12,15 +12,17 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.quantity_scale import UNITS, frame_peak, full_value
 from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.annotations import check_anchors
+from lappet.plates.ghost_outline import VARIANTS
 from lappet.plates.panel_drawing import AREA_LABELS, SECTION_LABELS, STROKE_LABELS
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
-from lappet.plates.plate_request import PlateRequest
+from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import PlateScene, at_one_scale, plate_scene
 from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
 from lappet.plates.printed_marks import check_spacing
 from lappet.plates.skin_anchors import SkinAnchors
+from lappet.plates.told_labels import ToldLabels
 
 LEAST_WIDTH = 40.0  # mm
 WIDEST = 1000.0  # mm
@@ -28,7 +30,8 @@ MOST_PANELS = 26  # as many as there are letters
 GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
 _ASPECT = 0.75
-_LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values())
+_WALLS = ("wall.fascia", "wall.muscle", "wall.cartilage")
+_LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values(), *_WALLS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +106,8 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     """
     if not LEAST_WIDTH <= request.width <= WIDEST:
         raise refused(ProblemCode.PLATE_WIDTH, "", request.width, range=f"{LEAST_WIDTH:g} to {WIDEST:g}")
+    if len(request.overlaid) > len(VARIANTS):
+        raise refused(ProblemCode.PLATE_OVERLAY, "", len(request.overlaid), most=len(VARIANTS))
     if len(request.panels) > MOST_PANELS:
         raise refused(ProblemCode.PLATE_FRAMES, "", len(request.panels), most=MOST_PANELS)
     check_spacing(request.marks_spacing)
@@ -114,8 +119,10 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     checked_texts(request, captions, words, font)
     full, top = _full_scale(request)
     columns, width = _columns(request)
+    size = (width, _ASPECT * width)
     maker = PanelMaker(
-        request, _scenes(request, (width, _ASPECT * width)), style, words, font, (width, _ASPECT * width)
+        *(request, _scenes(request, size), style, words, font, size),
+        tuple(_scene(row, request, size) for row in request.overlaid),
     )
     indent = font.width("M", style.caption_size) + 1.5
     lines = [tuple(font.wrapped(each, style.caption_size, width - indent)) for each in captions]
@@ -123,7 +130,7 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     heights = [maker.size[1] + 1.5 + LINE * style.caption_size * count + GUTTER for count in counts]
     tops = np.concatenate([[0.0], np.cumsum(heights)])
     panels: list[PagePanel] = []
-    told: set[str] = set()
+    told = ToldLabels()
     for k, caption in enumerate(lines):
         x = (k % columns) * (width + GUTTER) + 0.5 * width
         panels += maker.panels(k, caption, np.array([x, float(tops[k // columns]) + 0.5 * maker.size[1]]), told)
@@ -153,7 +160,7 @@ def checked_texts(request: PlateRequest, captions: Sequence[str], words: PlateWo
     RefusedError
         If the font lacks a character.
     """
-    notes = [each.text for each in request.annotations]
+    notes = [each.text for each in request.annotations] + [row.title for row in request.overlaid]
     font.check([*captions, *request.landmarks, *notes, *(words(key) for key in _LABELS)])
 
 
@@ -189,8 +196,11 @@ def _captions(request: PlateRequest, words: PlateWords) -> list[str]:
 
 def _scenes(request: PlateRequest, size: tuple[float, float]) -> tuple[PlateScene, ...]:
     """Each procedure before its camera; several at one scale."""
-    scenes = [plate_scene(row.source, [step.time for step in row.steps], request.view, size) for row in request.rows]
-    return tuple(at_one_scale(scenes))
+    return tuple(at_one_scale([_scene(row, request, size) for row in request.rows]))
+
+
+def _scene(row: PlateRow, request: PlateRequest, size: tuple[float, float]) -> PlateScene:
+    return plate_scene(row.source, [step.time for step in row.steps], request.view, size)
 
 
 def _full_scale(request: PlateRequest) -> tuple[float, str]:

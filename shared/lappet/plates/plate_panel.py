@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString
 
 from lappet.drawing.section_plane import SectionPlane
 from lappet.plates.annotations import AnnotationDrawer, DrawnAnnotations
 from lappet.plates.boundary_labels import PlacedLabel, place_labels
-from lappet.plates.feature_lines import FeatureLine, LineKind
+from lappet.plates.feature_lines import FeatureLine
 from lappet.plates.filled_areas import AreaKind
-from lappet.plates.ghost_outline import ghost_outline
+from lappet.plates.ghost_outline import VARIANTS, ghost_areas, ghost_outline, variant_outlines
 from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
 from lappet.plates.measures import Measure, plan_measures
 from lappet.plates.panel_camera import with_camera
@@ -22,9 +21,11 @@ from lappet.plates.panel_drawing import (
     AREA_LABELS,
     SECTION_LABELS,
     PanelDrawing,
+    along,
     clipped,
     label_sites,
     panel_drawing,
+    wall_key,
 )
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_request import PlateRequest
@@ -33,14 +34,20 @@ from lappet.plates.plate_steps import CUTS, PlateStep, StepKind
 from lappet.plates.plate_style import PlateStyle
 from lappet.plates.plate_words import PlateWords
 from lappet.plates.printed_marks import SkinPrint
+from lappet.plates.pull_arrows import pull_arrows
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
+from lappet.plates.section_measures import dissection_depth
 from lappet.plates.skin_anchors import SkinAnchors
+from lappet.plates.taken_places import taken_places
+from lappet.plates.told_labels import ToldLabels
+from lappet.plates.undermined_hatch import undermined_hatch
 
 LINE = 1.2  # times the size of a text
 _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
 _UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
-_KINDS = tuple(AreaKind)
 _PLANS = (StepKind.PLAN, StepKind.PLAN_EXCISION)
+_PULLED = (StepKind.RAISED, StepKind.RETRACTED)
+_HATCH = 1.8  # mm on paper between the lines over an area undermined
 _BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
 
 
@@ -118,6 +125,8 @@ class PanelMaker:
         Its font.
     size
         Width and height of a panel in mm.
+    variants
+        The operations that are drawn over the panels, each before a camera.
     """
 
     request: PlateRequest
@@ -126,9 +135,10 @@ class PanelMaker:
     words: PlateWords
     font: PlateFont
     size: tuple[float, float]
+    variants: tuple[PlateScene, ...] = ()
 
     def panels(
-        self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: set[str]
+        self, index: int, caption: tuple[str, ...], middle: NDArray[np.float64], told: ToldLabels
     ) -> list[PagePanel]:
         """Make a panel and what stands in its corners.
 
@@ -141,7 +151,7 @@ class PanelMaker:
         middle
             Its middle on the page in mm, shape (2,).
         told
-            Keys of labels that a panel before it has; those of this one are added.
+            Labels of the panels before it; those of this one are added.
 
         Returns
         -------
@@ -159,26 +169,25 @@ class PanelMaker:
         scene = self._scene(row, step, self.size)
         insets = request.rows[row].insets(k)
         drawing, areas = self._drawing(scene, steps, k, insets)
-        places = inset_places(len(insets), self.size, _taken(drawing))
+        places = inset_places(len(insets), self.size, taken_places(drawing))
         drawing = uncovered(drawing, places)
-        notes = self._notes(scene, steps, k, drawing) if areas is AREA_LABELS else DrawnAnnotations()
+        notes = self._notes(scene, steps, k, drawing)
         sites = label_sites(drawing, areas) if request.labels else {}
-        fresh = {key: site for key, site in sites.items() if key not in told and _free(site, places)}
-        told.update(fresh)
-        named = [(self.words(key), site) for key, site in fresh.items()] + notes.named
+        fresh = told.choose([key for key, site in sites.items() if _free(site, places)])
+        named = [(self.words(wall_key(key, scene.source.layers)), sites[key]) for key in fresh] + notes.named
         if areas is AREA_LABELS:
             named += _landmarks(scene, drawing, request.landmarks, self.size)
-        measures: list[Measure] = []
-        if step.kind in _PLANS and request.measures:
-            letters = [each.at for each in drawing.letters]
-            measures = plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+            named += self._variant_names(drawing, told)
+        measures = self._measures(scene, step, drawing) if request.measures else []
         under = [each.at + _UNDER_TEXT for each in (*measures, *notes.measures)]
-        taken = np.vstack([_taken(drawing), *under, *(_filling(place) for place in places)])
+        taken = np.vstack([taken_places(drawing), *under, *(_filling(place) for place in places)])
         widths = [self.font.width(text, self.style.label_size) for text, _ in named]
-        own_scale = step.panel is not None and step.panel.at is not None
+        own_scale = areas is SECTION_LABELS or (step.panel is not None and step.panel.at is not None)
         bar = self.bar(drawing, self.size) if index == 0 or own_scale or request.bars else 0.0
         texts = self._texts(drawing, (*measures, *notes.measures), bar)
-        labels = place_labels(named, widths, self.size, LINE * self.style.label_size, taken, letter, texts)
+        line = LINE * self.style.label_size
+        labels = place_labels(named, widths, self.size, line, taken, letter, texts, told.places)
+        told.places.update({label.text: label for label in labels})
         goes_on = scene.goes_on and areas is AREA_LABELS
         host = PagePanel(
             *(letter, step, scene, caption, middle, drawing, tuple(labels), tuple(measures)),
@@ -187,6 +196,25 @@ class PanelMaker:
             section=areas is SECTION_LABELS,
         )
         return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
+
+    def _measures(self, scene: PlateScene, step: PlateStep, drawing: PanelDrawing) -> list[Measure]:
+        """The program's own measures of a panel: of the plan, and the depth of dissection in a section."""
+        if self._cut(step) is not None:
+            return dissection_depth(drawing)
+        if step.kind not in _PLANS:
+            return []
+        letters = [each.at for each in drawing.letters]
+        return plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+
+    def _variant_names(self, drawing: PanelDrawing, told: ToldLabels) -> list[tuple[str, NDArray[np.float64]]]:
+        """The names of operations that are drawn over the panel's, each on the first panel that shows it."""
+        found = []
+        for row, kind in zip(self.request.overlaid, VARIANTS, strict=False):
+            own = [stroke.points for stroke in drawing.strokes if stroke.kind is kind]
+            if own and row.title not in told.variants:
+                told.variants.add(row.title)
+                found.append((row.title, along(own)))
+        return found
 
     def _texts(self, drawing: PanelDrawing, measures: Sequence[Measure], bar: float) -> NDArray[np.float64]:
         """Boxes of letters, of measures and of the scale bar, (b, 4)."""
@@ -215,9 +243,9 @@ class PanelMaker:
             )
         )
         notes = DrawnAnnotations()
-        if step.panel is not None and cut is None:
+        if step.panel is not None:
             own = [each for each in request.annotations if step.panel.name in each.panels]
-            notes = AnnotationDrawer(scene, drawing, step.panel.name, ()).draw(own)
+            notes = AnnotationDrawer(scene, drawing, step.panel.name, (), cut).draw(own)
         site = None
         if step.panel is not None and step.panel.at is not None:
             at, _ = SkinAnchors(scene.source).at(np.array([step.panel.at]), host.step.time, last_place=True)
@@ -251,7 +279,7 @@ class PanelMaker:
         end = next((time for time in after if time > step.time), step.time)
         later = tuple(time for time in scene.source.frames if step.time < time <= end)
         name = step.panel.name if step.panel is not None else ""
-        return AnnotationDrawer(scene, drawing, name, later).draw(self.request.annotations)
+        return AnnotationDrawer(scene, drawing, name, later, self._cut(step)).draw(self.request.annotations)
 
     def bar(self, drawing: PanelDrawing, size: tuple[float, float]) -> float:
         """Choose the length of a panel's scale bar.
@@ -308,14 +336,22 @@ class PanelMaker:
             return self._section(scene, step, cut, self.size), SECTION_LABELS
         later = _later(scene, steps, index) if request.arrows else ()
         more = self._cut_lines(scene, steps, index, insets)
+        if request.hatched:
+            more += undermined_hatch(scene, step.time, _HATCH / scene.projection(self.size).scale)
         drawing = panel_drawing(
             *(scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more),
             skin_print=self._print,
         )
         if step.ghost is not None:
             ghost = clipped(ghost_outline(scene, step.ghost, self.size), self.size)
-            drawing = replace(drawing, strokes=(*drawing.strokes, *ghost))
-        return drawing, AREA_LABELS
+            filled = step.panel is not None and step.panel.ghost_filled
+            areas = ghost_areas(scene, step.ghost, self.size) if filled else ()
+            drawing = replace(drawing, strokes=(*drawing.strokes, *ghost), ghosts=areas)
+        if request.arrows and held and step.kind in _PULLED:
+            arrows = (*drawing.arrows, *pull_arrows(scene, step.time, drawing.projection))
+            drawing = replace(drawing, arrows=arrows)
+        variants = variant_outlines(scene, self.variants, request.overlaid, step, self.size)
+        return replace(drawing, strokes=(*drawing.strokes, *variants)), AREA_LABELS
 
 
 def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[float]:
@@ -341,18 +377,6 @@ def _landmarks(
         if inside and depth[0] <= drawing.depth_at(paper[0]) + _ON_SKIN:
             found.append((label, paper[0]))
     return found
-
-
-def _taken(drawing: PanelDrawing) -> NDArray[np.float64]:
-    """Places that labels should leave free: wounds, marks, threads and letters."""
-    kinds = drawing.pixels.kind[::6, ::6]
-    rows, columns = np.nonzero((kinds > _KINDS.index(AreaKind.SKIN)) & (kinds < _KINDS.index(AreaKind.EYE)))
-    found = [np.stack([drawing.pixels.x[::6][columns], drawing.pixels.y[::6][rows]], axis=1)]
-    keep_off = (LineKind.PLAN, LineKind.THREAD, LineKind.WOUND_EDGE, LineKind.INSTRUMENT, LineKind.UNDERMINED)
-    own = [LineString(stroke.points).segmentize(1.0) for stroke in drawing.strokes if stroke.kind in keep_off]
-    found += [np.array(line.coords) for line in own]
-    found += [letter.at[None] for letter in drawing.letters]
-    return np.vstack(found)
 
 
 def _free(sites: NDArray[np.float64], places: Sequence[InsetPlace]) -> bool:

@@ -102,6 +102,10 @@ class PlateRequest:
         Distance of the marks at rest in mm.
     skin_lines
         Whether the procedure's skin lines are drawn.
+    hatched
+        Whether the area undermined is hatched.
+    overlaid
+        Other operations on the same tissue whose outlines are drawn over the panels, at most three.
     """
 
     rows: tuple[PlateRow, ...]
@@ -123,6 +127,8 @@ class PlateRequest:
     marks: str | None = None
     marks_spacing: float = 5.0
     skin_lines: bool = False
+    hatched: bool = True
+    overlaid: tuple[PlateRow, ...] = ()
 
     def letter(self, index: int) -> str:
         """Name a panel.

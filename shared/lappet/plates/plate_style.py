@@ -9,6 +9,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import AreaKind
+from lappet.procedure.plate import PlanPen
 
 # Monk Skin Tone Scale, tones 1 to 10 (Monk 2019; skintone.google), sRGB.
 MONK = (
@@ -101,6 +102,8 @@ _PENS = {
     LineKind.WALL_FOOT: Pen(0.18, _INK),
     LineKind.PLAN: Pen(0.45, _BLUE),
     LineKind.UNDERMINED: Pen(0.25, _BLUE),
+    LineKind.UNDERMINED_HATCH: Pen(0.18, _BLUE),
+    LineKind.DISSECTION: Pen(0.6, _BLUE, (1.6, 0.8)),
     LineKind.THREAD: Pen(0.25, "#10204a"),
     LineKind.INSTRUMENT: Pen(0.7, "#5a6068"),
     LineKind.VESSEL: Pen(0.5, "#a5231c"),
@@ -108,12 +111,26 @@ _PENS = {
     LineKind.SKIN_LINE: Pen(0.18, "#8a8478"),
     LineKind.SECTION: Pen(0.3, "#8b1e1e", (2.4, 0.9, 0.5, 0.9)),
     LineKind.GHOST: Pen(0.25, "#5a6068", (1.2, 0.8)),
+    # Vermillion, bluish green and reddish purple of Okabe and Ito's palette, and told apart by their dashes as well.
+    LineKind.VARIANT: Pen(0.5, "#d55e00", (2.2, 0.9)),
+    LineKind.VARIANT_2: Pen(0.5, "#009e73", (0.7, 0.8)),
+    LineKind.VARIANT_3: Pen(0.5, "#cc79a7", (2.2, 0.8, 0.4, 0.8)),
     LineKind.MARK: Pen(0.18, "#9a86bd"),
     LineKind.MARK_DOT: Pen(0.75, "#7a5aa6"),
 }
 # The surgeon's marking pen: gentian violet.
-_VIOLET = {kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
-_ON_SKIN = (LineKind.PLAN, LineKind.UNDERMINED, LineKind.MARK, LineKind.MARK_DOT, LineKind.SKIN_LINE)
+_VIOLET = {
+    kind: replace(_PENS[kind], color="#4b2a7d")
+    for kind in (LineKind.PLAN, LineKind.UNDERMINED, LineKind.UNDERMINED_HATCH)
+}
+_ON_SKIN = (
+    LineKind.PLAN,
+    LineKind.UNDERMINED,
+    LineKind.UNDERMINED_HATCH,
+    LineKind.MARK,
+    LineKind.MARK_DOT,
+    LineKind.SKIN_LINE,
+)
 # What a painting shows itself.
 PAINTED = frozenset(
     {LineKind.CONTOUR, LineKind.WOUND_EDGE, LineKind.WALL_FOOT, LineKind.THREAD, LineKind.INSTRUMENT, LineKind.VESSEL}
@@ -134,6 +151,7 @@ _FILLS = {
     AreaKind.WALL_SKIN: "#e79a84",
     AreaKind.WALL_FAT: "#f0c95c",
     AreaKind.WALL_DEEP: "#a33b37",
+    AreaKind.BONE: "#efe6cd",
     **_EYES,
 }
 _GREY = {
@@ -143,7 +161,12 @@ _GREY = {
     AreaKind.WALL_SKIN: "#dadada",
     AreaKind.WALL_FAT: "#efefef",
     AreaKind.WALL_DEEP: "#a8a8a8",
-    **_EYES,
+    AreaKind.BONE: "#f4f4f4",
+    AreaKind.EYE: "#f6f6f6",
+    AreaKind.IRIS: "#6b6b6b",
+    AreaKind.PUPIL: "#181818",
+    AreaKind.TEETH: "#efefef",
+    AreaKind.HOLLOW: "#454545",
 }
 STYLES = {
     "ink": PlateStyle("ink", Shading.NONE, True, _BLACK, _GREY, _INK),
@@ -154,7 +177,15 @@ STYLES = {
 }
 
 
-def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT) -> PlateStyle:
+# How planned cuts are drawn.
+_PLAN_PENS: dict[PlanPen, tuple[float, tuple[float, ...]]] = {
+    "dashed": (0.45, (1.5, 1.1)),
+    "dotted": (0.5, (0.01, 1.0)),
+    "marker": (0.95, ()),
+}
+
+
+def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT, plan_pen: PlanPen = "") -> PlateStyle:
     """Choose a style.
 
     Parameters
@@ -165,6 +196,8 @@ def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT) ->
         Tone of the skin on the Monk scale, 1 to 10; None for the style's own.
     text
         Size of labels and measures in points.
+    plan_pen
+        How planned cuts are drawn.
 
     Returns
     -------
@@ -179,6 +212,10 @@ def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT) ->
     if not LEAST_TEXT <= text <= MOST_TEXT:
         raise refused(ProblemCode.PLATE_TEXT, "", f"{text:g}", least=f"{LEAST_TEXT:g}", most=f"{MOST_TEXT:g}")
     style = replace(STYLES[name], text=text)
+    if plan_pen:
+        width, dashes = _PLAN_PENS[plan_pen]
+        plan = replace(style.pens[LineKind.PLAN], width=width, dashes=dashes)
+        style = replace(style, pens={**style.pens, LineKind.PLAN: plan})
     if tone is None or style.fills is _GREY:
         return style
     fills = {**style.fills, AreaKind.SKIN: MONK[tone - 1]}

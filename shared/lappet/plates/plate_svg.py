@@ -27,11 +27,24 @@ from lappet.plates.wash import wash
 
 _INK = "#111111"
 _HALO = "#ffffff"
+_GHOST = "#5a6068"
 _FINE = 0.5 * POINT  # the least width of a line in print
 _SITE = 0.35  # mm: radius of the dot at which a leader ends
 _HEAD = 2.2  # mm: length of an arrow's head
 _DIGITS = 3
-_LAYERS = ("shading", "areas", "hatching", "lines", "threads", "instruments", "arrows", "measures", "letters", "labels")
+_LAYERS = (
+    "shading",
+    "areas",
+    "ghosts",
+    "hatching",
+    "lines",
+    "threads",
+    "instruments",
+    "arrows",
+    "measures",
+    "letters",
+    "labels",
+)
 
 
 def plate_svg(
@@ -105,7 +118,7 @@ def _layers(
         clip.append(drawsvg.Rectangle(*_round(-0.5 * np.asarray(panel.size)), *_round(panel.size)))
         defs.append(clip)
         groups = {name: drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}") for name in _LAYERS}
-        for name in ("shading", "areas"):
+        for name in ("shading", "areas", "ghosts"):
             groups[name] = drawsvg.Group(transform=_at(panel.middle), id=f"{name}-{tag}", clip_path=f"url(#{clip.id})")
         bare = panel.line is not None and not panel.goes_on  # an inset over what its panel shows
         if bare or (style.shading is Shading.NONE and ground.paper not in ("", WHITE.paper)):
@@ -116,6 +129,8 @@ def _layers(
             _shade(groups, panel, page, style, dpi)
         else:
             groups["shading"].append(_picture(panel, painting))
+        for area in panel.drawing.ghosts:
+            groups["ghosts"].append(_filled(area, _GHOST, fill_opacity=0.3))
         _draw_lines(groups, panel, style, painting is not None)
         _annotate(groups, panel, page, style, font)
         for name, group in groups.items():
@@ -155,7 +170,7 @@ def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, 
             corner, size = _round(-0.5 * np.asarray(panel.size)), _round(panel.size)
             groups["areas"].append(drawsvg.Rectangle(*corner, *size, fill=style.fills[AreaKind.SKIN]))
         for area in panel.drawing.areas:
-            groups["areas"].append(_filled(area, style))
+            groups["areas"].append(_filled(area, style.fills[area.kind]))
 
 
 def _picture(panel: PagePanel, png: bytes) -> drawsvg.Image:
@@ -165,8 +180,8 @@ def _picture(panel: PagePanel, png: bytes) -> drawsvg.Image:
     return drawsvg.Image(*corner, *size, path=data, preserveAspectRatio="none")
 
 
-def _filled(area: Area, style: PlateStyle) -> drawsvg.Path:
-    path = drawsvg.Path(fill=style.fills[area.kind], fill_rule="evenodd")
+def _filled(area: Area, color: str, **more: Any) -> drawsvg.Path:
+    path = drawsvg.Path(fill=color, fill_rule="evenodd", **more)
     for ring in area.rings:
         points = np.round(ring, _DIGITS) + 0.0
         path.M(*points[0].tolist())

@@ -126,7 +126,7 @@ def printed_marks(source: SkinCache, surface: DrawnSurface, marks: str, spacing:
     low, high = np.full(_SIDE, -0.5), np.full(_SIDE, 0.5)
     ring = np.stack([[*share, *high, *-share, *low, -0.5], [*low, *share, *high, *-share, -0.5]], axis=1) * _SQUARE
     rings = _placed(surface.points, triangles, flat, (middles[:, None] + ring).reshape(-1, 2)).reshape(-1, len(ring), 3)
-    return [part for each in rings for part in _whole_parts(each, _TORN * spacing * _SQUARE / _SIDE)]
+    return [part for each in rings for part in whole_parts(each, _TORN * spacing * _SQUARE / _SIDE)]
 
 
 def skin_lines(source: SkinCache, time: float) -> list[FeatureLine]:
@@ -146,7 +146,7 @@ def skin_lines(source: SkinCache, time: float) -> list[FeatureLine]:
     """
     lines = []
     for line in source.skin_lines(_STEP):
-        parts = _whole_parts(followed(source, line, time), 4.0 * _STEP)
+        parts = whole_parts(followed(source, line, time), 4.0 * _STEP)
         lines += [FeatureLine(LineKind.SKIN_LINE, each.points, 2.0 * _LIFT) for each in parts]
     return lines
 
@@ -211,8 +211,21 @@ def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64
     return product
 
 
-def _whole_parts(course: NDArray[np.float64], longest: float) -> list[FeatureLine]:
-    """The parts of a line that are there and not torn, of two points at least."""
+def whole_parts(course: NDArray[np.float64], longest: float) -> list[FeatureLine]:
+    """Find the parts of a line that are there and not torn, of two points at least.
+
+    Parameters
+    ----------
+    course
+        The line in mm, shape (k, 3); NaN where its tissue is gone.
+    longest
+        Length in mm of a piece between two points that is not torn.
+
+    Returns
+    -------
+    list[FeatureLine]
+        The parts.
+    """
     lengths = np.linalg.norm(np.diff(course, axis=0), axis=1)
     joined = np.concatenate([[False], np.where(np.isfinite(lengths), lengths, np.inf) <= longest, [False]])
     edges = np.flatnonzero(np.diff(joined.astype(np.int8)))

@@ -6,7 +6,7 @@ that is below the uncut skin.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +27,14 @@ from lappet.plates.filled_areas import AreaKind, SeenPixels, filled_areas, wall_
 from lappet.plates.panel_drawing import PanelDrawing, clipped
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.projection import Projection
+from lappet.plates.section_lines import section_strokes
 from lappet.plates.strokes import Stroke
 
 _PIXEL = 0.24  # mm on paper
 _FAR = 1e5  # mm: seen from so far a section is drawn without perspective
-_NEAR = 1.5  # mm: threads that come so near the plane are drawn
 _ON_SKIN = 0.5  # mm
 _FILL = 0.8  # of a panel's width that the operation takes up
+_LEAST_SPAN = 15.0  # mm: a section across one straight cut shows what lies about it
 _KINDS = tuple(AreaKind)
 
 
@@ -74,7 +75,7 @@ def section_projection(
     along = (near if len(near) else field.points) @ right
     middle = field.center - plane.beyond(field.center) * normal
     middle = middle + (0.5 * (along.min() + along.max()) - middle @ right) * right
-    scale = _FILL * size[0] / max(float(np.ptp(along)), 1.0)
+    scale = _FILL * size[0] / max(float(np.ptp(along)), _LEAST_SPAN)
     if about is not None:
         middle, scale = about - plane.beyond(about) * normal, size[0] / across
     view = Viewpoint(middle + _FAR * normal, np.stack([right, up, normal]), _FAR)
@@ -137,18 +138,14 @@ def section_drawing(
     epoch = source.epoch_at(time)
     points, rest = source.positions(epoch, time), source.rest(epoch)
     edges, was = plane.outline(points, epoch.triangles, rest)
-    pixels = _layers(scene, projection, edges, was)
+    pixels = _with_bones(_layers(scene, projection, edges, was), scene, plane, projection)
     strokes = [
         Stroke(LineKind.WALL_FOOT, ring)
         for area in filled_areas(pixels)
         if area.kind is not AreaKind.SKIN
         for ring in area.rings
     ]
-    strokes += _outline(epoch.triangles, epoch.origin, points, plane, projection)
-    for line in scene.strands(time):
-        away = plane.beyond(line.points)
-        if line.kind is LineKind.THREAD or (instruments and line.kind is LineKind.INSTRUMENT):
-            strokes += [Stroke(line.kind, run) for run in _runs(projection.paper(line.points)[0], np.abs(away) < _NEAR)]
+    strokes += section_strokes(scene, plane, projection, time, instruments)
     surface = drawn_surface(source, scene.bed, (), time)
     areas = tuple(filled_areas(pixels))
     return PanelDrawing(projection, surface, pixels, areas, tuple(clipped(strokes, projection.size)), (), ())
@@ -180,6 +177,19 @@ def _layers(
     return SeenPixels(np.full(shape, -1, np.int64), depth.reshape(shape), kind.reshape(shape), x, y)
 
 
+def _with_bones(pixels: SeenPixels, scene: PlateScene, plane: SectionPlane, projection: Projection) -> SeenPixels:
+    """The same with what bones fill of it."""
+    places = np.stack(np.meshgrid(pixels.x, pixels.y), axis=-1).reshape(-1, 2)
+    kind = pixels.kind.ravel().copy()
+    for bone in scene.source.bones:
+        edges, _ = plane.outline(bone.points, bone.triangles, bone.points)
+        flat = projection.paper(edges.reshape(-1, 3))[0].reshape(-1, 2, 2)
+        solid = list(polygonize([LineString(edge) for edge in np.round(flat, 6)]).geoms)
+        if solid:
+            kind[contains_xy(unary_union(solid), places[:, 0], places[:, 1]) & (kind < 0)] = _KINDS.index(AreaKind.BONE)
+    return replace(pixels, kind=kind.reshape(pixels.kind.shape))
+
+
 def _pieces(edges: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
     """The edges (e,) of each piece of tissue in a section: across a closed wound two pieces touch and are not one."""
     if not len(edges):
@@ -189,33 +199,3 @@ def _pieces(edges: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
     links = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(corners), len(corners)))
     count, piece = connected_components(links, directed=False)
     return [piece[pairs[:, 0]] == k for k in range(count)]
-
-
-def _outline(
-    triangles: NDArray[np.integer],
-    origin: NDArray[np.integer],
-    points: NDArray[np.floating],
-    plane: SectionPlane,
-    projection: Projection,
-) -> list[Stroke]:
-    """The outline of the section; edges of wounds are drawn as such, the rim of the cut-out is not drawn."""
-    kinds = (
-        ((FaceOrigin.SKIN,), LineKind.WOUND_EDGE),
-        ((FaceOrigin.UNDERSIDE, FaceOrigin.WOUND_WALL), LineKind.CONTOUR),
-    )
-    strokes = []
-    for origins, kind in kinds:
-        edges, _ = plane.outline(points, triangles[np.isin(origin, origins)], points)
-        flat = projection.paper(edges.reshape(-1, 3))[0].reshape(-1, 2, 2)
-        joined = unary_union([LineString(edge) for edge in np.round(flat, 6)]) if len(flat) else None
-        if joined is None:
-            continue
-        merged = linemerge(joined) if joined.geom_type == "MultiLineString" else joined
-        strokes += [Stroke(kind, np.array(line.coords)) for line in getattr(merged, "geoms", [merged])]
-    return strokes
-
-
-def _runs(points: NDArray[np.float64], kept: NDArray[np.bool_]) -> Sequence[NDArray[np.float64]]:
-    """The parts of a line (k, 2) whose points are kept."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]])))
-    return [points[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter, zoom
 
 from lappet.drawing.quantity_scale import ramp_display
-from lappet.plates.filled_areas import PIXEL, AreaKind
+from lappet.plates.filled_areas import PIXEL, AreaKind, corner_weights
 from lappet.plates.panel_drawing import PanelDrawing
 
 _AMBIENT = 0.55
@@ -48,12 +48,11 @@ def wash(
     NDArray[np.uint8]
         The image, RGB, shape (h, w, 3), first row on top.
     """
-    pixels, surface = drawing.pixels, drawing.surface
+    pixels = drawing.pixels
     shape = pixels.kind.shape
     seen = (pixels.kind >= 0) & (pixels.triangle >= 0)
-    facing = np.einsum("mki,i->mk", surface.normals, light).mean(axis=1)
     shade = np.ones(shape)
-    shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(facing[pixels.triangle[seen]], 0.0, 1.0)
+    shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(_facing(drawing, seen, light), 0.0, 1.0)
     beside = distance_transform_edt(~seen, return_distances=False, return_indices=True)
     shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, 1.0)
     depth = pixels.depth[tuple(beside)] if seen.any() else np.zeros(shape)
@@ -75,6 +74,18 @@ def wash(
     factor = dpi / 25.4 * PIXEL
     picture = np.stack([zoom(picture[..., k], factor, order=1, mode="nearest") for k in range(3)], axis=-1)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+
+
+def _facing(drawing: PanelDrawing, seen: NDArray[np.bool_], light: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How much the surface faces the light at the pixels that show it, between the corners of its triangles, (k,)."""
+    pixels, surface = drawing.pixels, drawing.surface
+    corners = np.einsum("mki,i->mk", surface.normals, light)
+    triangle = pixels.triangle[seen]
+    places = np.stack(np.meshgrid(pixels.x, pixels.y), axis=-1)[seen]
+    weights = np.clip(corner_weights(surface, drawing.projection, triangle, places), 0.0, 1.0)
+    weights /= weights.sum(axis=1, keepdims=True)
+    facing: NDArray[np.float64] = (weights * corners[triangle]).sum(axis=1)
+    return facing
 
 
 def _slope(depth: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -69,7 +69,9 @@ def describe(event: Event) -> str:
         case Incision():
             depth = "through" if event.depth is None else f"{number(event.depth)} mm deep"
             closed = ", closed" if event.closed else ""
-            return f"{depth}, {_curve(event.points, event.basis, event.closed)}{closed}, kerf {number(event.kerf)} mm"
+            along = "" if event.direction is None else f", blade along {place(event.direction)}"
+            curve = _curve(event.points, event.basis, event.closed)
+            return f"{depth}, {curve}{closed}, kerf {number(event.kerf)} mm{along}"
         case Excision():
             return "discards the fragment at " + " and ".join(place(seed) for seed in event.seeds)
         case Undermine():

@@ -38,13 +38,15 @@ class Incision:
     points
         Control points of the curve in mm, shape (n, 3), kept in single precision.
     depth
-        Depth along the surface normal in mm, or None to cut through.
+        Depth in mm along the surface normal or the direction, or None to cut through.
     kerf
         Width of the cut in mm.
     basis
         How the curve runs through or beside its points, as USD's `basis`.
     closed
         Whether the curve returns to its first point.
+    direction
+        Direction in which the blade goes into the tissue, of any length, or None to cut square to the skin everywhere.
     """
 
     kind: ClassVar[str] = "Incision"
@@ -55,9 +57,12 @@ class Incision:
     kerf: float = 0.05
     basis: Basis = "linear"
     closed: bool = False
+    direction: Point | None = None
 
     def __post_init__(self) -> None:
         set_fields(self, points=single_points(self.points))
+        if self.direction is not None:
+            set_fields(self, direction=double_point(self.direction))
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,15 @@ from lappet.procedure.exact_values import Point, double_point, set_fields, singl
 PlateStyleName = Literal["ink", "schematic", "halftone", "wash", "painted"]
 PlateView = Literal["oblique", "top", "low"]
 PlateMarks = Literal["", "grid", "squares", "dots"]
+PlanPen = Literal["", "dashed", "dotted", "marker"]
 PanelStep = Literal["", "plan", "cut", "raised", "placed", "sutured", "result"]
-AnnotationKind = Literal["label", "length", "distance", "angle", "arrow", "pivot"]
+AnnotationKind = Literal["label", "length", "distance", "width", "depth", "angle", "arrow", "pivot"]
 WhenExcised = Literal["leave-out", "last-place"]
 
 PLATE_STYLES: tuple[PlateStyleName, ...] = get_args(PlateStyleName)
 JOURNALS = ("springer", "elsevier", "plos")
 PLATE_MARKS: tuple[PlateMarks, ...] = get_args(PlateMarks)
+PLAN_PENS: tuple[PlanPen, ...] = get_args(PlanPen)
 PLATE_VIEWS: tuple[PlateView, ...] = get_args(PlateView)
 PANEL_STEPS: tuple[PanelStep, ...] = get_args(PanelStep)
 # Kinds of annotations and how many anchors each has, at least and at most.
@@ -27,6 +29,8 @@ ANNOTATION_ANCHORS: dict[AnnotationKind, tuple[int, int]] = {
     "label": (1, 1),
     "length": (2, 64),
     "distance": (2, 2),
+    "width": (2, 2),
+    "depth": (1, 1),
     "angle": (3, 3),
     "arrow": (1, 2),
     "pivot": (1, 1),
@@ -43,8 +47,9 @@ class PlateAnnotation:
         Its name, unique among the plate's annotations.
     kind
         "label": a text with a leader. "length": a length along the skin through the anchors; "distance": the straight
-        distance of two; "angle": the angle at the second of three. "arrow": the way of an anchor from the panel to the
-        next one, or from one anchor to another. "pivot": the point about which a flap turns.
+        distance of two; "width": the same, drawn beside them with two arrows; "depth": from a point of the skin to the
+        underside, in cross-sections. "angle": the angle at the second of three. "arrow": the way of an anchor from the
+        panel to the next one, or from one anchor to another. "pivot": the point about which a flap turns.
     anchors
         Points on the skin at rest in mm; each is followed through the frames.
     text
@@ -101,6 +106,8 @@ class PlatePanel:
     section_at, section_normal
         The plane in which the panel is cut, whatever the plate's is: a point at rest in mm and a normal; None: as the
         plate says.
+    ghost_filled
+        Whether what the ghost's cuts lay open, or its plan encloses, is filled as well, translucent.
     """
 
     name: str
@@ -116,6 +123,7 @@ class PlatePanel:
     look_up: Point | None = None
     section_at: Point | None = None
     section_normal: Point | None = None
+    ghost_filled: bool = False
 
     def __post_init__(self) -> None:
         names = ("at", "look_from", "look_up", "section_at", "section_normal")
@@ -173,6 +181,10 @@ class Plate:
         Distance of the marks at rest in mm.
     skin_lines
         Whether the procedure's skin lines are drawn.
+    plan_pen
+        How planned cuts are drawn: whole lines (""), "dashed", "dotted", or broad as by a "marker" pen.
+    hatched
+        Whether the area undermined is hatched.
     """
 
     name: str
@@ -198,6 +210,8 @@ class Plate:
     marks: PlateMarks = ""
     marks_spacing: float = 5.0
     skin_lines: bool = False
+    plan_pen: PlanPen = ""
+    hatched: bool = True
 
     def __post_init__(self) -> None:
         set_fields(

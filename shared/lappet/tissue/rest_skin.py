@@ -17,6 +17,8 @@ from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import open_edges
 from lappet.geometry.triangles import barycentric
 
+_POCKET = 2.0  # times the thickness: how wide a gap inside a rolled rim is at most
+
 
 @dataclass(frozen=True, eq=False)
 class SkinPoints:
@@ -38,6 +40,16 @@ class SkinPoints:
     normals: NDArray[np.float64]
     height: NDArray[np.float64]
     beyond: NDArray[np.float64]
+
+
+def _first_sheet(ray: list[tuple[float, bool]]) -> tuple[float, float]:
+    """Where a ray enters the first tissue that it passes, and where it leaves that, in mm."""
+    entering = 0.0
+    for d, leaves in ray:
+        if leaves and d > entering:
+            return entering, d
+        entering = max(d, 0.0)
+    return 0.0, 0.0
 
 
 class RestSkin:
@@ -140,9 +152,45 @@ class RestSkin:
         lift = 1e-6 * self._size
         depth = np.zeros(len(points))
         for k, (point, normal) in enumerate(zip(points, normals, strict=True)):
-            hits = self._solid.ray_cast(tuple(point + lift * normal), tuple(point - self._size * normal))
-            depths = [float(np.dot(point - np.array(hit.position), normal)) for hit in hits]
-            leaving = [d for d, hit in zip(depths, hits, strict=True) if np.dot(hit.normal, normal) < 0.0]
-            behind = [d for d in leaving if d > 4.0 * lift]
+            behind = [d for d, leaves in self._crossings(point, normal, lift) if leaves and d > 4.0 * lift]
             depth[k] = behind[0] if behind else 0.0
         return depth
+
+    def rolled_thickness(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Measure how deep the tissue is below points where it may be rolled up or lie double, as a lip or an ear does.
+
+        What follows behind a gap counts as well where the gap is no wider than `_POCKET` times the thickness at the
+        place where that, up to the first gap, is greatest.
+
+        Parameters
+        ----------
+        points
+            Points on the skin, or in the air in front of it, in mm, shape (k, 3).
+        normals
+            Unit vectors, shape (k, 3); rays go against them.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Depths in mm, shape (k,); 0 where a ray meets no tissue.
+        """
+        lift = 1e-6 * self._size
+        rays = [self._crossings(point, normal, lift) for point, normal in zip(points, normals, strict=True)]
+        sheets = [leaving - entering for entering, leaving in map(_first_sheet, rays)]
+        pocket = _POCKET * max(sheets, default=0.0)
+        depth = np.zeros(len(points))
+        for k, ray in enumerate(rays):
+            for d, leaves in ray:
+                if leaves and d > 4.0 * lift:
+                    depth[k] = d
+                elif not leaves and depth[k] > 0.0 and d - depth[k] > pocket:
+                    break
+        return depth
+
+    def _crossings(
+        self, point: NDArray[np.float64], normal: NDArray[np.float64], lift: float
+    ) -> list[tuple[float, bool]]:
+        """How deep in mm a ray against a normal crosses the surface, and whether it leaves the tissue there."""
+        hits = self._solid.ray_cast(tuple(point + lift * normal), tuple(point - self._size * normal))
+        depths = [float(np.dot(point - np.array(hit.position), normal)) for hit in hits]
+        return [(d, bool(np.dot(hit.normal, normal) < 0.0)) for d, hit in zip(depths, hits, strict=True)]

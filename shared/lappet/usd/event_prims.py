@@ -88,6 +88,8 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             values.author("through", usd.Sdf.ValueTypeNames.Bool, event.depth is None)
             values.double("depth", 0.0 if event.depth is None else event.depth)
             values.double("kerf", event.kerf)
+            if event.direction is not None:
+                values.author("direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*event.direction))
         case Excision() | Undermine():
             values.double("time", event.time)
         case Hook():
@@ -176,9 +178,9 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             points, basis, closed = read_curve(reader, prim)
             through = reader.flag(prim, "lappet:through", True)
             time, kerf = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:kerf", Incision.kerf)
-            return Incision(
-                name, time, points, None if through else reader.number(prim, "lappet:depth"), kerf, basis, closed
-            )
+            depth = None if through else reader.number(prim, "lappet:depth")
+            direction = cast(Point, reader.vector(prim, "lappet:direction", 3, (0.0, 0.0, 0.0)))
+            return Incision(name, time, points, depth, kerf, basis, closed, direction if any(direction) else None)
         case "LappetExcisionAPI":
             return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
         case "LappetUndermineAPI":

@@ -16,11 +16,13 @@ from lappet.procedure.exact_values import Point
 from lappet.procedure.plate import (
     ANNOTATION_ANCHORS,
     PANEL_STEPS,
+    PLAN_PENS,
     PLATE_MARKS,
     PLATE_STYLES,
     PLATE_VIEWS,
     AnnotationKind,
     PanelStep,
+    PlanPen,
     Plate,
     PlateAnnotation,
     PlateMarks,
@@ -69,6 +71,10 @@ def write_plate(stage: Any, usd: Any, plate: Plate) -> None:
         values.double("marksSpacing", plate.marks_spacing)
     if plate.skin_lines:
         values.author("skinLines", types.Bool, True)
+    if plate.plan_pen:
+        values.author("planPen", types.Token, plate.plan_pen)
+    if not plate.hatched:
+        values.author("hatched", types.Bool, False)
     _write_section(values, usd, plate)
     for name in _FLAGS:
         values.author(name, types.Bool, getattr(plate, name))
@@ -99,6 +105,8 @@ def _write_panel(stage: Any, usd: Any, path: str, panel: PlatePanel) -> None:
     ):
         if text:
             values.author(name, kind, text)
+    if panel.ghost_filled:
+        values.author("ghostFilled", types.Bool, True)
     if panel.at is not None:
         values.author("at", types.Point3d, usd.Gf.Vec3d(*panel.at))
         values.double("across", panel.across)
@@ -218,6 +226,8 @@ def _plate(
         marks=cast(PlateMarks, _one_of(reader, prim, "marks", PLATE_MARKS, "")),
         marks_spacing=reader.number(prim, "lappet:marksSpacing", Plate.marks_spacing),
         skin_lines=reader.flag(prim, "lappet:skinLines", False),
+        plan_pen=cast(PlanPen, _one_of(reader, prim, "planPen", PLAN_PENS, "")),
+        hatched=reader.flag(prim, "lappet:hatched", True),
     )
 
 
@@ -237,6 +247,7 @@ def _panel(reader: Reader, prim: Any) -> PlatePanel:
         _way(reader, prim, "lookUp"),
         _place(reader, prim, "sectionAt"),
         _way(reader, prim, "sectionNormal"),
+        reader.flag(prim, "lappet:ghostFilled", False),
     )
 
 

@@ -1,0 +1,17 @@
+"""Register the template's and the library's operators, and presets of one's own."""
+
+from __future__ import annotations
+
+from . import asset_operators, own_presets
+
+CLASSES = (*asset_operators.CLASSES, *own_presets.CLASSES)
+
+
+def register() -> None:
+    """Take up what is dropped from the library from now on."""
+    asset_operators.register()
+
+
+def unregister() -> None:
+    """Take it away."""
+    asset_operators.unregister()

@@ -1,0 +1,1 @@
+"""The strip timeline: events as strips over the Timeline and the Dope Sheet, grouped by step."""

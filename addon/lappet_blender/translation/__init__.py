@@ -1,0 +1,1 @@
+"""The interface in other languages, by Blender's own mechanism."""

@@ -1,0 +1,47 @@
+"""Arrows for the pull of hooks: which way each has drawn the tissue that it holds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.plates.plate_scene import PlateScene
+from lappet.plates.projection import Projection
+
+_LENGTH = 7.0  # mm on paper
+_AWAY = 1.2  # mm on paper between the hook's point and its arrow
+_LEAST = 1.5  # mm on paper: what has moved less is held, not pulled
+_MOST = 4
+
+
+def pull_arrows(scene: PlateScene, time: float, projection: Projection) -> list[NDArray[np.float64]]:
+    """Draw the pull of the hooks that hold the tissue at a frame.
+
+    Parameters
+    ----------
+    scene
+        The procedure before a camera.
+    time
+        Time code of the frame.
+    projection
+        How it comes onto the paper.
+
+    Returns
+    -------
+    list[NDArray[np.float64]]
+        Straight arrows in mm, each of shape (2, 2): from the point that a hook holds on in the direction in which it
+        has come since the hook took hold. Those that have come farthest are first; all are as long.
+    """
+    source = scene.source
+    now = source.hooks(time)
+    found = []
+    for k in np.flatnonzero(now.active):
+        first = next(frame for frame in source.frames if source.hooks(frame).active[k])
+        ends = np.stack([source.hooks(first).ends[k, 0], now.ends[k, 0]]).astype(np.float64)
+        paper, _ = projection.paper(ends)
+        way = paper[1] - paper[0]
+        moved = float(np.linalg.norm(way))
+        if moved >= _LEAST:
+            found.append((moved, paper[1] + np.array([[_AWAY], [_AWAY + _LENGTH]]) * way / moved))
+    found.sort(key=lambda each: -each[0])
+    return [way for _, way in found[:_MOST]]

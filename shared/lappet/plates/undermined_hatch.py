@@ -1,0 +1,81 @@
+"""Hatching over the area undermined, as it is marked on skin."""
+
+from __future__ import annotations
+
+import numpy as np
+from shapely import LineString, MultiLineString, Polygon, unary_union
+
+from lappet.drawing.skin_marks import HELD
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.plates.feature_lines import FeatureLine, LineKind
+from lappet.plates.plate_scene import PlateScene, followed
+from lappet.plates.printed_marks import whole_parts
+
+_STEP = 0.8  # mm along a line
+_LIFT = 0.5  # mm
+_WAY = np.array([np.cos(np.radians(60.0)), np.sin(np.radians(60.0))])  # of the lines, as the picture is seen
+
+
+def is_marked(scene: PlateScene, time: float) -> bool:
+    """Tell whether a frame shows the area undermined: from undermining until hooks or sutures hold the tissue.
+
+    Parameters
+    ----------
+    scene
+        The procedure before a camera.
+    time
+        Time code of the frame.
+
+    Returns
+    -------
+    bool
+        Whether it does.
+    """
+    events = scene.source.events
+    begun = min((each.start for each in events if each.kind == "Undermine"), default=np.inf)
+    held = min((each.start for each in events if each.kind in HELD), default=np.inf)
+    return begun <= time < held
+
+
+def undermined_hatch(scene: PlateScene, time: float, spacing: float) -> list[FeatureLine]:
+    """Hatch the area undermined.
+
+    Parameters
+    ----------
+    scene
+        The procedure before a camera.
+    time
+        Time code of the frame.
+    spacing
+        Distance of the lines at rest in mm.
+
+    Returns
+    -------
+    list[FeatureLine]
+        The lines, where their tissue is there; none at frames that do not show the area.
+    """
+    outlines = scene.source.undermined_areas(_STEP) if is_marked(scene, time) else []
+    flat = [Polygon(outline @ scene.axes[:2].T).buffer(0.0) for outline in outlines if len(outline) > 3]
+    if not flat:
+        return []
+    area = unary_union(flat)
+    across = np.array([-_WAY[1], _WAY[0]])
+    corners = np.array(area.envelope.exterior.coords)
+    low, high = (corners @ across).min(), (corners @ across).max()
+    near, far = (corners @ _WAY).min(), (corners @ _WAY).max()
+    levels = np.arange(np.ceil(low / spacing), np.floor(high / spacing) + 1.0) * spacing
+    rows = MultiLineString([LineString([level * across + end * _WAY for end in (near, far)]) for level in levels])
+    inside = rows.intersection(area)
+    epoch = scene.source.epochs[0]
+    skin = ClosestPoint(scene.source.rest(epoch), epoch.triangles[epoch.origin == FaceOrigin.SKIN])
+    height = float(np.mean(np.concatenate(outlines) @ scene.axes[2]))
+    found = []
+    for row in getattr(inside, "geoms", [inside]):
+        if row.geom_type != "LineString" or row.length < _STEP:
+            continue
+        course = np.array(row.segmentize(_STEP).coords)
+        places = skin.query(course @ scene.axes[:2] + height * scene.axes[2])[1]
+        parts = whole_parts(followed(scene.source, places, time), 4.0 * _STEP)
+        found += [FeatureLine(LineKind.UNDERMINED_HATCH, each.points, _LIFT) for each in parts]
+    return found

@@ -1,0 +1,115 @@
+"""The interface in other languages: nothing that is translated is gone, and nothing that is shown is left out."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+import lappet_blender
+from lappet.designs.library import DESIGNS
+from lappet.plates.plate_words import LANGUAGES as CATALOGUE
+from lappet.procedure.threads import THREADS
+from lappet_blender.interface.sidebar_panel import SidebarPanel
+from lappet_blender.translation.dictionary import CONTEXTS, LANGUAGES, blender_dictionary, messages
+
+ADDON = Path(lappet_blender.__file__).parent
+# Said alike in every language: names of people, publishers, curves and materials of the shelf.
+_NAMES = {"B-spline", "Bézier", "Corotated", "Elsevier", "Mooney–Rivlin", "Neo-Hookean", "Plos", "Springer"}
+_NAMES |= {"Stable neo-Hookean", *THREADS}
+# Fields that no panel shows: scripts set them.
+_HIDDEN = {"Second Edge From", "First Inside", "Second Inside", "Told", "Last manifest", "Identifier"}
+_FLAPS = tuple(name.replace("-", "_") for name in DESIGNS)
+
+
+def classes() -> Iterator[Any]:
+    """Every class that the add-on registers, but the operators of each flap: these are named after the library."""
+    for part in lappet_blender._PARTS:
+        for each in import_module(f"lappet_blender.{part}.registration").CLASSES:
+            if not re.fullmatch(rf"LAPPET_OT_flap_(edit_)?({'|'.join(_FLAPS)})", each.__name__):
+                yield each
+
+
+def labels(*kinds: type) -> set[str]:
+    """The labels of the classes of some kinds."""
+    return {each.bl_label for each in classes() if issubclass(each, kinds)}
+
+
+def fields() -> set[str]:
+    """The names of the fields of property groups, and of what can be chosen in them."""
+    found = set()
+    for each in classes():
+        if not issubclass(each, bpy.types.PropertyGroup):
+            continue
+        for info in each.bl_rna.properties:
+            if info.identifier in ("rna_type", "name") or info.is_hidden or info.type == "COLLECTION":
+                continue
+            found.add(info.name if info.name != info.identifier else "")
+            if info.type == "ENUM":
+                found |= {item.name for item in info.enum_items}
+    return found - {""}
+
+
+def spoken() -> set[str]:
+    """Every text in the add-on's sources, and what Blender makes of them."""
+    words: set[str] = set()
+    for file in ADDON.rglob("*.py"):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        words |= {
+            node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        }
+    return words | fields()
+
+
+def test_every_label_of_a_panel_a_menu_and_an_operator_is_translated(addon: None) -> None:
+    shown = labels(bpy.types.Panel, bpy.types.Menu, bpy.types.Operator)
+    assert shown - set(messages()) == set()
+
+
+def test_every_field_and_choice_that_is_shown_is_translated(addon: None) -> None:
+    assert fields() - set(messages()) - _NAMES - _HIDDEN == set()
+
+
+def test_nothing_is_translated_that_the_interface_does_not_say_any_more(addon: None) -> None:
+    assert set(messages()) - spoken() == set()
+
+
+def test_every_message_has_every_language_of_the_catalogue() -> None:
+    assert {"en", *(code for code, _ in LANGUAGES)} == set(CATALOGUE)
+    for message, texts in messages().items():
+        assert len(texts) == len(LANGUAGES), message
+        assert all(text.strip() == text and text for text in texts), message
+        assert any("\u4e00" <= letter <= "\u9fff" for letter in texts[3]) or message == "Lappet", message
+
+
+@pytest.mark.parametrize("mark", ["…", "`", ".blend", "3D", "Lappet"])
+def test_marks_and_names_of_a_message_stand_in_its_translations(mark: str) -> None:
+    for message, texts in messages().items():
+        if mark in message:
+            assert all(mark in text for text in texts), message
+
+
+def test_tips_are_those_of_operators_and_do_not_end_with_a_full_stop(addon: None) -> None:
+    operators = [each.bl_idname.partition(".")[2] for each in classes() if issubclass(each, bpy.types.Operator)]
+    tips = {getattr(bpy.ops.lappet, name).get_rna_type().description for name in operators}
+    translated = [message for message in messages() if message in tips]
+    assert len(translated) >= 25
+    for message in translated:
+        assert not any(text.endswith((".", "。")) for text in messages()[message]), message
+
+
+def test_blender_gets_each_message_for_labels_and_for_buttons(addon: None) -> None:
+    made = blender_dictionary()
+    assert set(made) >= {"de_DE", "fr_FR", "es", "zh_HANS"}
+    for texts in made.values():
+        assert {message for _, message in texts} == set(messages())
+        assert {context for context, _ in texts} == set(CONTEXTS)
+    panels = {each.bl_translation_context for each in classes() if issubclass(each, SidebarPanel)}
+    assert panels == {"Lappet"}
+    assert made["de_DE"]["*", "Timeline"] == "Zeitleiste"

@@ -1,0 +1,97 @@
+"""File > New > Lappet, the asset library and the panels of presets in a real window: `run.py start_page.py`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from event_driver import Driver, Steps, run
+from panels import pages, unfold
+from tools import MODULE
+
+
+def scenario(blender: Driver) -> Steps:
+    """Installs, begins a file, drops assets, looks at the panel Plate."""
+    bpy.ops.extensions.package_install_files(
+        filepath=os.environ["LAPPET_ZIP"], repo="user_default", enable_on_install=True
+    )
+    yield 0.5
+    blender.expect(bpy.ops.lappet.template_install() == {"FINISHED"}, "the template is installed")
+    templates = [Path(each).name for each in bpy.utils.app_template_paths()]
+    blender.notes["template folders"] = templates
+    unfold()
+    bpy.ops.wm.read_homefile("EXEC_DEFAULT", app_template="Lappet")
+    yield 2.0
+    yield from first_file(blender)
+    yield from assets(blender)
+    yield from plate(blender)
+
+
+def first_file(blender: Driver) -> Steps:
+    """What the new file holds."""
+    scene = bpy.context.window_manager.windows[0].scene
+    blender.expect(hasattr(scene, "lappet"), "the extension is enabled in the template")
+    blender.expect(scene.lappet.tissue.object is not None, "there is a tissue")
+    blender.expect(len(scene.lappet.events) > 3, f"there is an operation of {len(scene.lappet.events)} events")
+    blender.expect(scene.camera is not None, "there is a camera")
+    display = import_module(f"{MODULE}.display.skin_display")
+    yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 60.0, "its skin is shown")
+    name = blender.window.workspace.name
+    blender.expect(name == "Lappet", f"the workspace is called {name}")
+    height = blender.area("DOPESHEET_EDITOR").height
+    blender.expect(height > 200, f"the Timeline has room for strips: {height} pixels")
+    yield from blender.screenshot("first_file")
+
+
+def assets(blender: Driver) -> Steps:
+    """The library in the asset browser."""
+    blender.expect(bpy.ops.lappet.assets_install() == {"FINISHED"}, "the library is written")
+    names = [each.name for each in bpy.context.preferences.filepaths.asset_libraries]
+    blender.expect("Lappet" in names, f"the preferences name it: {names}")
+    area = blender.area("DOPESHEET_EDITOR")
+    area.ui_type = "ASSETS"
+    yield 1.0
+    area.spaces.active.params.asset_library_reference = "Lappet"
+    yield 3.0
+    yield from blender.screenshot("assets")
+    scene = blender.window.scene
+    count = len(scene.lappet.events)
+    library = bpy.context.preferences.filepaths.asset_libraries["Lappet"].path
+    with blender.override():
+        bpy.ops.wm.append(directory=f"{library}/lappet.blend/Object/", filename="Hook")
+    yield from blender.wait_until(
+        lambda: len(scene.lappet.events) == count + 1, 3.0, "an asset that is appended is taken up: a hook is set"
+    )
+    left = [each.name for each in scene.objects if "lappet_asset" in each]
+    blender.expect(not left, f"and the object that stood for it is gone: {left}")
+    area.ui_type = "TIMELINE"
+    yield 0.3
+
+
+def plate(blender: Driver) -> Steps:
+    """The panels Plate, Materials and Look, with their presets."""
+    with blender.override():
+        bpy.ops.lappet.plate_add("EXEC_DEFAULT", True, template="steps")
+        corner = tuple(blender.window.scene.lappet.events[0].points[0].co)
+        bpy.ops.lappet.annotation_add("EXEC_DEFAULT", True, kind="label", points=[{"name": "", "co": corner}])
+    yield from blender.show_tab("Lappet")
+    yield from pages(blender, "panels", 8)
+    view = bpy.context.preferences.view
+    view.language = "de_DE"
+    view.use_translate_interface = view.use_translate_tooltips = True
+    say = bpy.app.translations.pgettext_iface
+    blender.expect(say("Flap Library") == "Lappensammlung", f"Blender says it in German: {say('Flap Library')}")
+    context = bpy.types.LAPPET_PT_solve.bl_translation_context
+    solve = bpy.app.translations.pgettext_iface("Solve", context)
+    blender.expect(solve == "Rechnen", f"the panel of solving is called so, and not as in tracking: {solve}")
+    yield from pages(blender, "german", 2)
+
+
+if __name__ == "__main__":
+    run(scenario)
