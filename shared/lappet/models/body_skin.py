@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.surface_check import intersections
 from lappet.geometry.triangles import area_normals
+from lappet.tissue.rest_space import RestSpace
 
 _ROUNDS = 40
+_ON_SKIN = 1e-6  # mm
 _HALF = 0.5  # of the way to the mean of its neighbors that a vertex goes in a round
 
 
@@ -55,10 +57,13 @@ class BodySkin:
         Corners of its triangles in mm, shape (m, 3, 3).
     search
         Finds the closest triangle.
+    inside
+        Tells what is inside.
     """
 
     corners: NDArray[np.float64]
     search: ClosestPoint
+    inside: RestSpace
 
     @classmethod
     def of(cls, points: NDArray[np.float64], triangles: NDArray[np.int64]) -> BodySkin:
@@ -76,7 +81,7 @@ class BodySkin:
         BodySkin
             The skin.
         """
-        return cls(points[triangles], ClosestPoint(points, triangles))
+        return cls(points[triangles], ClosestPoint(points, triangles), RestSpace(points, triangles))
 
     def depth(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Find how deep points lie below the skin.
@@ -92,7 +97,10 @@ class BodySkin:
             Their depths in mm, shape (n,), negative outside the body, and the unit directions into the body there,
             shape (n, 3).
         """
-        faces, closest, _ = self.search.query(points)
-        inwards = -area_normals(self.corners[faces])
+        faces, closest, distance = self.search.query(points)
+        sign = np.where(self.inside.outside(points) > 0.0, -1.0, 1.0)
+        inwards = -area_normals(self.corners[faces])  # of a point on the skin
         inwards /= np.linalg.norm(inwards, axis=1, keepdims=True)
-        return np.einsum("ij,ij->i", points - closest, inwards), inwards
+        off = distance > _ON_SKIN
+        inwards[off] = (sign[:, None] * (points - closest))[off] / distance[off, None]
+        return sign * distance, inwards
