@@ -144,7 +144,8 @@ std::vector<PartBytes> Replay::work(const Header& header, std::span<const std::s
     return encode_accepted(to);
   }
   const FrameInput frame =
-      decode_solve(header, arrays, {*epoch_triangles_, settings_.sutures, settings_.retractors, materials});
+      decode_solve(header, arrays,
+                   {*epoch_triangles_, settings_.sutures, settings_.retractors, materials, settings_.moving_bones()});
   const auto report = [&](const Progress& progress) { readable(encode_progress(to, progress)); };
   const FrameOutput output = session_->solve(frame, report, kNotCancelled);
   check_output(output);

@@ -276,7 +276,7 @@ def test_without_pxr_import_and_export_say_so_and_everything_else_works(
 
 
 def test_what_there_are_no_tools_for_is_kept_and_exported_again(scene: bpy.types.Scene, tmp_path: Path) -> None:
-    from lappet.procedure import Hook, Pressure, Procedure, Roller, Section, Traction
+    from lappet.procedure import Bone, Hook, Muscle, Pressure, Procedure, Roller, Section, Strand, Traction
     from lappet.tissue.patch import flat_patch
     from lappet.usd.stage import read_procedure, write_procedure
 
@@ -288,7 +288,14 @@ def test_what_there_are_no_tools_for_is_kept_and_exported_again(scene: bpy.types
         Pressure("air", "bed", ((1.0, 0.3),), 1.0, 6.0),
         Section("neck", (0, 0, 0), (1, 0, 0), "neck"),
     )
-    procedure = Procedure(tissue, events=events, end_time=6.0)
+    corners = np.array([[x, y, z] for x in (-2, 2) for y in (-2, 2) for z in (TOP + 1, TOP + 3)], float)
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    down = np.eye(4)
+    down[3, 2] = -2.0
+    motion = ((1.0, tuple(np.eye(4).ravel())), (6.0, tuple(down.ravel())))
+    bones = (Bone("punch", corners, np.full(6, 4), np.ravel(faces), motion),)
+    muscles = (Muscle("belly", (Strand(((-4, 0, 2), (4, 0, 2)), (1, 1)),), "skin"),)
+    procedure = Procedure(tissue, events=events, bones=bones, muscles=muscles, end_time=6.0)
     write_procedure(procedure, tmp_path / "told.usda")
     ops.import_procedure(filepath=str(tmp_path / "told.usda"))
     assert [event.name for event in scene.lappet.events] == ["hook"]
@@ -299,6 +306,7 @@ def test_what_there_are_no_tools_for_is_kept_and_exported_again(scene: bpy.types
     ops.export_procedure(filepath=str(tmp_path / "again.usda"))
     back = read_procedure(tmp_path / "again.usda")
     assert (back.events[1:], back.tissue.rollers) == (events[1:], tissue.rollers)
+    assert (back.muscles, back.bones[0].motion) == (muscles, motion)
     scene.lappet.kept = "damaged"
     damaged = read_scene(bpy.context.scene).procedure
     assert damaged is not None

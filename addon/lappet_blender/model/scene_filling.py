@@ -66,6 +66,7 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
     keep_plates(scene, procedure.plates)
     kept = keep(scene, procedure)
     names = [*(each.name for each in kept.events), *(each.faces for each in kept.rollers)]
+    names += [*(each.name for each in kept.muscles), *(each.name for each in kept.moving_bones)]
     if names:
         notes.append(problem(ProblemCode.SCENE_KEPT, "", ", ".join(names)))
     scene.lappet.version = VERSION

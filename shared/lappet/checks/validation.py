@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from lappet.checks.bone_motion_problems import bone_motion_problems
 from lappet.checks.bone_overlap import overlap_problems
 from lappet.checks.event_conflicts import event_conflicts
 from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
+from lappet.checks.muscle_problems import muscle_problems
 from lappet.checks.roller_problems import roller_problems
 from lappet.checks.skin_line_problems import skin_line_problems
 from lappet.checks.suspicious_events import suspicious_events
@@ -80,8 +82,10 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     problems += [*region_problems(procedure), *roller_problems(procedure)]
     problems += skin_line_problems(procedure)
     problems += vessel_problems(procedure, rest)
+    problems += muscle_problems(procedure, rest)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
+        problems += bone_motion_problems(bone, path, procedure.start_time)
         found = mesh_problems(bone, path)
         problems += found.problems
         if _is_solid(report) and _is_solid(found) and math.isfinite(size) and size > 0.0:

@@ -27,11 +27,12 @@ def models() -> None:
 def list_models(context: click.Context, /) -> None:
     """List the models."""
     with sentences(context):
-        from lappet.models.new_model import MODELS
+        from lappet.models.new_model import MODELS, WHOLE_BODIES
 
-        width = max(len(name) for name in MODELS)
-        for name, model in MODELS.items():
-            click.echo(f"{name:<{width}}  {model.title}")
+        titles = {name: model.title for name, model in (*MODELS.items(), *WHOLE_BODIES.items())}
+        width = max(len(name) for name in titles)
+        for name, title in titles.items():
+            click.echo(f"{name:<{width}}  {title}")
 
 
 @models.command()

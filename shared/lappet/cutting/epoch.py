@@ -71,6 +71,31 @@ class Regions:
 
 
 @dataclass(frozen=True, eq=False)
+class Strands:
+    """The strands of muscles, whose cells are of other materials than what regions say; without entries: none.
+
+    Parameters
+    ----------
+    start
+        Row of the first point of each strand, shape (q,), int32, growing from 0.
+    material
+        Index of its material in `SolverSettings.materials`, shape (q,), int32.
+    points
+        Courses in mm, one after another, shape (p, 3), float64.
+    radii
+        Radius at each point in mm, shape (p,), float64.
+    """
+
+    start: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    material: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    radii: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+
+@dataclass(frozen=True, eq=False)
 class Ground:
     """What undermined tissue lies on: the bed faces of the tissue before any cut; without triangles: none.
 
@@ -142,6 +167,8 @@ class Epoch:
         What faces rest on; nothing where none does.
     boundary
         Parts of fixed faces, rollers, loaded faces and sections.
+    strands
+        Strands of muscles, the same in every epoch of a program.
     """
 
     index: int
@@ -152,6 +179,7 @@ class Epoch:
     over_bone: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
     ground: Ground = field(default_factory=Ground)
     boundary: Boundary = field(default_factory=Boundary)
+    strands: Strands = field(default_factory=Strands)
 
     @property
     def support(self) -> NDArray[np.uint8]:

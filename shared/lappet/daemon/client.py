@@ -199,7 +199,7 @@ class SolverClient:
             "stability": np.asarray(state.stability, np.float64),
             "activation": np.asarray(state.activation, np.float64),
         }
-        for name in ("roller_multipliers", "loads"):
+        for name in ("roller_multipliers", "loads", "bone_motion"):
             if len(getattr(state, name)):
                 arrays[name] = np.asarray(getattr(state, name), np.float64)
         if len(state.motion):

@@ -116,6 +116,7 @@ def _read_state(message: Message) -> SolverState:
             for name, kind, shape in (
                 ("roller_multipliers", "f8", (None,)),
                 ("loads", "f8", (None, 5)),
+                ("bone_motion", "f8", (None, 4, 4)),
                 ("motion", "f4", (None, 3)),
             )
             if name in message.arrays

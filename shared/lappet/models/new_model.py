@@ -9,13 +9,16 @@ from lappet.models.catalogue import BODY_MODELS
 from lappet.models.model import Model
 from lappet.models.model_choice import ModelChoice
 from lappet.models.plain_models import PLAIN_MODELS, PlainModel, plain_model
+from lappet.models.whole_body import WHOLE_BODY, WholeBodyModel, whole_body_model
 from lappet.procedure import Procedure
 
 USUAL = ModelChoice()
-MODELS: dict[str, Model | PlainModel] = {**BODY_MODELS, **PLAIN_MODELS}
+MODELS: dict[str, Model | PlainModel] = {**BODY_MODELS, **PLAIN_MODELS}  # those that Blender offers
+# A scene of Blender has neither muscles nor bones that carry tissue.
+WHOLE_BODIES = {WHOLE_BODY.name: WHOLE_BODY}
 
 
-def model_named(name: str) -> Model | PlainModel:
+def model_named(name: str) -> Model | PlainModel | WholeBodyModel:
     """Look up a model.
 
     Parameters
@@ -25,7 +28,7 @@ def model_named(name: str) -> Model | PlainModel:
 
     Returns
     -------
-    Model | PlainModel
+    Model | PlainModel | WholeBodyModel
         The model.
 
     Raises
@@ -33,9 +36,10 @@ def model_named(name: str) -> Model | PlainModel:
     RefusedError
         If there is none of that name.
     """
-    if name not in MODELS:
-        raise refused(ProblemCode.MODEL_UNKNOWN, name, name, known=", ".join(MODELS))
-    return MODELS[name]
+    known = {**MODELS, **WHOLE_BODIES}
+    if name not in known:
+        raise refused(ProblemCode.MODEL_UNKNOWN, name, name, known=", ".join(known))
+    return known[name]
 
 
 def new_model(name: str, choice: ModelChoice = USUAL) -> Procedure:
@@ -60,4 +64,6 @@ def new_model(name: str, choice: ModelChoice = USUAL) -> Procedure:
         room.
     """
     model = model_named(name)
+    if isinstance(model, WholeBodyModel):
+        return whole_body_model(model, choice)
     return body_model(model, choice) if isinstance(model, Model) else plain_model(model, choice)

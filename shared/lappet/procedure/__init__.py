@@ -22,6 +22,7 @@ from lappet.procedure.events import (
 )
 from lappet.procedure.exact_values import Point
 from lappet.procedure.laid_flap import FlapLines, LaidFlap
+from lappet.procedure.muscle import Muscle, Strand
 from lappet.procedure.plate import (
     ANNOTATION_ANCHORS,
     PANEL_STEPS,
@@ -71,6 +72,7 @@ __all__ = [
     "LaidFlap",
     "Landmark",
     "Material",
+    "Muscle",
     "Plate",
     "PlateAnnotation",
     "PlatePanel",
@@ -84,6 +86,7 @@ __all__ = [
     "SceneryKind",
     "Section",
     "SkinLine",
+    "Strand",
     "Suture",
     "SutureLayer",
     "SutureMode",

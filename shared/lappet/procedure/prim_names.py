@@ -6,7 +6,18 @@ from collections import Counter
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure.prim_paths import ANATOMY, BONE, FLAPS, MATERIALS, PLATES, SCENERY, SKIN_LINES, TIMELINE, TISSUE
+from lappet.procedure.prim_paths import (
+    ANATOMY,
+    BONE,
+    FLAPS,
+    MATERIALS,
+    MUSCLES,
+    PLATES,
+    SCENERY,
+    SKIN_LINES,
+    TIMELINE,
+    TISSUE,
+)
 from lappet.procedure.procedure import Procedure
 
 
@@ -29,6 +40,7 @@ def name_problems(procedure: Procedure) -> list[Problem]:
         (BONE, "bone", [bone.name for bone in procedure.bones]),
         (SKIN_LINES, "skin line", [line.name for line in procedure.skin_lines]),
         (ANATOMY, "vessel", [vessel.name for vessel in procedure.vessels]),
+        (MUSCLES, "muscle", [muscle.name for muscle in procedure.muscles]),
         (FLAPS, "flap", [flap.name for flap in procedure.flaps]),
         (PLATES, "plate", [plate.name for plate in procedure.plates]),
         *_of_plates(procedure),

@@ -18,6 +18,7 @@ SKIN_LINES = f"{ROOT}/SkinLines"
 
 
 ANATOMY = f"{ROOT}/Anatomy"
+MUSCLES = f"{ROOT}/Muscles"
 SCENERY = f"{ROOT}/Scenery"
 FLAPS = f"{ROOT}/Flaps"
 PLATES = f"{ROOT}/Plates"

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
 from lappet.procedure.laid_flap import LaidFlap
+from lappet.procedure.muscle import Muscle
 from lappet.procedure.plate import Plate
 from lappet.procedure.scenery import Scenery
 from lappet.procedure.skin_line import SkinLine
@@ -53,6 +54,8 @@ class Procedure:
         What of the events the flap library made, and how; they act without it.
     plates
         Pages of drawings for print; they do not act.
+    muscles
+        Parts of the tissue of other materials, whose fibers run from an origin to an insertion.
 
     Examples
     --------
@@ -76,6 +79,7 @@ class Procedure:
     scenery: tuple[Scenery, ...] = ()
     flaps: tuple[LaidFlap, ...] = ()
     plates: tuple[Plate, ...] = ()
+    muscles: tuple[Muscle, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.
@@ -139,14 +143,15 @@ class Procedure:
         raise KeyError(name)
 
     def materials_in_use(self) -> tuple[Material, ...]:
-        """List the tissue's material, then those of its regions.
+        """List the tissue's material, then those of its regions and muscles.
 
         Returns
         -------
         tuple[Material, ...]
-            Each material once, in the order of the regions; names that no material has are left out.
+            Each material once, in the order of the regions and muscles; names that no material has are left out.
         """
         names = dict.fromkeys([self.tissue.material, *(region.material for region in self.tissue.regions)])
+        names |= dict.fromkeys(muscle.material for muscle in self.muscles)
         known = {material.name: material for material in reversed(self.materials)}
         return tuple(known[name] for name in names if name in known)
 
@@ -175,6 +180,7 @@ class Procedure:
             and self.scenery == other.scenery
             and self.flaps == other.flaps
             and self.plates == other.plates
+            and self.muscles == other.muscles
             and self.tissue == other.tissue
         )
 

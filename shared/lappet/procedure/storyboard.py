@@ -14,6 +14,7 @@ import numpy as np
 from lappet.procedure.event_text import describe, duration_text
 from lappet.procedure.events import Event, Landmark, begins, kind_words
 from lappet.procedure.laid_flap import LaidFlap
+from lappet.procedure.muscle import Muscle
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.plate import Plate
 from lappet.procedure.position import position_of
@@ -42,11 +43,13 @@ def storyboard(procedure: Procedure) -> str:
     lines = [f"Procedure, {_timeline(procedure)}", f"  tissue     {_tissue(procedure)}"]
     lines += [f"  material   {_material(material)}" for material in procedure.materials]
     for bone in procedure.bones:
-        lines.append(f"  bone       {bone.name}: {len(bone.face_vertex_counts)} faces, {_size(bone.points)}")
+        moves = f", moves in {len(bone.motion)} samples" if bone.moves else ""
+        lines.append(f"  bone       {bone.name}: {len(bone.face_vertex_counts)} faces, {_size(bone.points)}{moves}")
     for each in procedure.scenery:
         lines.append(f"  scenery    {each.name}: {each.kind}, {len(each.face_vertex_counts)} faces")
     lines += [f"  region     {_region(region)}" for region in tissue.regions]
     lines += [f"  {vessel.kind:<9}  {_vessel(vessel)}" for vessel in procedure.vessels]
+    lines += [f"  muscle     {_muscle(muscle)}" for muscle in procedure.muscles]
     lines += [f"  flap       {_flap(flap)}" for flap in procedure.flaps]
     lines += [f"  plate      {_plate(plate)}" for plate in procedure.plates]
     if tissue.subsets:
@@ -167,6 +170,12 @@ def _vessel(vessel: Vessel) -> str:
     course = ", a typical course" if vessel.typical_course else ""
     label = f" {vessel.label!r}" if vessel.label else ""
     return f"{vessel.name}:{label} of radius {number(vessel.radius)} mm through {len(vessel.points)} points{course}"
+
+
+def _muscle(muscle: Muscle) -> str:
+    strands = f"{len(muscle.strands)} strand{'' if len(muscle.strands) == 1 else 's'}"
+    thickest = max((radius for strand in muscle.strands for radius in strand.radii), default=0.0)
+    return f"{muscle.name}: {strands} of {muscle.material or 'no material'}, radius up to {number(thickest)} mm"
 
 
 def _flap(flap: LaidFlap) -> str:

@@ -262,20 +262,34 @@ class Bone:
         Corners of each face, shape (m,), int32.
     face_vertex_indices
         Vertices of the faces one after another, shape (k,), int32.
+    motion
+        Samples (time code, row-major 4 × 4 matrix in USD's row-vector convention, mm) of its rigid motion from where
+        its points are: the identity at the procedure's start. Between samples the translation of its origin is linear
+        and it turns along the shortest way; without samples it stays.
     """
 
     name: str
     points: NDArray[np.float64]
     face_vertex_counts: NDArray[np.int32]
     face_vertex_indices: NDArray[np.int32]
+    motion: tuple[tuple[float, tuple[float, ...]], ...] = ()
 
     def __post_init__(self) -> None:
         _freeze_mesh(self)
+        motion = tuple(
+            (float(time) + 0.0, tuple(float(v) + 0.0 for v in np.ravel(matrix))) for time, matrix in self.motion
+        )
+        set_fields(self, motion=motion)
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is ever elsewhere than its points."""
+        return len({matrix for _, matrix in self.motion}) > 1
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Bone):
             return NotImplemented
-        return self.name == other.name and _same_mesh(self, other)
+        return self.name == other.name and self.motion == other.motion and _same_mesh(self, other)
 
     def __hash__(self) -> int:
         return hash((self.name, self.points.shape, self.points.tobytes()))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import Surface
+from lappet.geometry.rigid_motion import RigidMotion
 from lappet.geometry.solid import closed_solid, solid_surface
 from lappet.geometry.triangles import area_normals
 from lappet.geometry.triangulation import triangulate
@@ -21,7 +22,9 @@ NEAR = 1.0  # mm that tissue may sink before bone bears it
 
 
 def united_bones(bones: Sequence[Bone]) -> Bones:
-    """Unite all bones in one closed surface without faces inside: those that touch or overlap become one.
+    """Unite all bones that stay in one closed surface without faces inside: those that touch or overlap become one.
+
+    Each bone that moves is a body of its own, after those that stay.
 
     Parameters
     ----------
@@ -40,8 +43,49 @@ def united_bones(bones: Sequence[Bone]) -> Bones:
     """
     if not bones:
         return Bones()
-    solids = [closed_solid(*_triangles(bone), f"{BONE}/{bone.name}") for bone in bones]
-    return Bones(*solid_surface(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)))
+    solids = [closed_solid(*_triangles(bone), f"{BONE}/{bone.name}") for bone in bones if not bone.moves]
+    moving = [closed_solid(*_triangles(bone), f"{BONE}/{bone.name}") for bone in bones if bone.moves]
+    still = [manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)] if solids else []
+    if not moving:
+        return Bones(*solid_surface(still[0]))
+    points, triangles, bodies, count = [], [], [], 0
+    for body, solid in enumerate([*still, *moving]):
+        own_points, own_triangles = solid_surface(solid)
+        points.append(own_points)
+        triangles.append(own_triangles + count)
+        bodies.append(np.full(len(own_triangles), body, np.int32))
+        count += len(own_points)
+    return Bones(np.concatenate(points), np.concatenate(triangles).astype(np.int32), np.concatenate(bodies))
+
+
+def bone_motions(bones: Sequence[Bone], start: float, times: Sequence[float]) -> NDArray[np.float64]:
+    """Compute where the bodies of bones are in some frames.
+
+    Parameters
+    ----------
+    bones
+        The bones.
+    start
+        Time code of the procedure's start.
+    times
+        Time codes of the frames.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Motions of the bodies of `united_bones` from the start, shape (t, B, 4, 4), column-vector convention, mm; B is 0
+        where no bone moves.
+
+    Raises
+    ------
+    RefusedError
+        If a motion is not rigid; names the prim.
+    """
+    moving = [RigidMotion(bone.motion, f"{BONE}/{bone.name}") for bone in bones if bone.moves]
+    if not moving:
+        return np.zeros((len(times), 0, 4, 4))
+    still = [np.eye(4)] if any(not bone.moves for bone in bones) else []
+    return np.array([[*still, *(motion.between(start, time) for motion in moving)] for time in times])
 
 
 def over_bone(surface: Surface, bones: Bones) -> NDArray[np.bool_]:

@@ -20,7 +20,7 @@ from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Section, Suture
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import OFF_TISSUE, AnchorSearch, PlacedAnchors, TissueLoss
-from lappet.program.bones import over_bone, united_bones
+from lappet.program.bones import bone_motions, over_bone, united_bones
 from lappet.program.boundary import with_boundaries
 from lappet.program.crossed_sutures import crossed_sutures
 from lappet.program.fixed_parts import FixedParts
@@ -28,6 +28,7 @@ from lappet.program.ground import on_ground
 from lappet.program.materials import activation, materials_in_use, parameters, region_program, with_line_tension
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
+from lappet.program.strands import strand_program
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
 from lappet.suturing.single_sutures import with_single_sutures
 from lappet.tissue.rest_space import RestSpace
@@ -77,12 +78,10 @@ def compile_program(
     if epochs is None:
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
     materials = with_line_tension(procedure, materials_in_use(procedure))
-    regions = region_program(procedure, materials)
-    bones = united_bones(procedure.bones)
-    epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
-    epochs = on_ground(epochs, procedure.tissue)
+    epochs = _with_inside(epochs, procedure, materials)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)
+    moved_bones = dict(zip(times, bone_motions(procedure.bones, procedure.start_time, times), strict=True))
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
     epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, settings.self_contact)
@@ -102,6 +101,7 @@ def compile_program(
         moved.update((each, None) for each in in_tissue.moved(own))
         for time in own:
             acting = {**events.arrays(time, anchors_of), "activation": activation(materials, time)}
+            acting["bone_motion"] = moved_bones[time]
             frames.append(FrameConstraints(float(time), epoch.index, **acting))
     crossed = crossed_sutures(epochs, frames, events.sutures, spacing)
     return Program(
@@ -122,9 +122,19 @@ def compile_program(
         vessels=procedure.vessels,
         vessels_at=tuple(vessels.values()),
         vessel_crossings=crossings,
-        bones=bones,
+        bones=united_bones(procedure.bones),
         notes=(*moved, *crossed, *crossing_warnings(procedure, crossings)),
     )
+
+
+def _with_inside(epochs: Sequence[Epoch], procedure: Procedure, materials: Sequence[Material]) -> list[Epoch]:
+    """The epochs with the regions and strands of their materials, and with what they rest on."""
+    regions, strands = region_program(procedure, materials), strand_program(procedure, materials)
+    still = united_bones([bone for bone in procedure.bones if not bone.moves])
+    inside = [
+        replace(epoch, regions=regions, strands=strands, over_bone=over_bone(epoch.surface, still)) for epoch in epochs
+    ]
+    return on_ground(inside, procedure.tissue)
 
 
 def _vessels(

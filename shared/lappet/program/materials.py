@@ -14,14 +14,14 @@ from lappet.cutting.epoch import Regions
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.normals import vertex_normals
 from lappet.procedure import Material, Procedure
-from lappet.procedure.prim_paths import MATERIALS, TISSUE
+from lappet.procedure.prim_paths import MATERIALS, MUSCLES, TISSUE
 from lappet.program.settings import MaterialParameters
 from lappet.tissue.skin_lines import line_stretch, skin_field
 from lappet.tissue.surface import tissue_surface
 
 
 def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
-    """List the tissue's material, then those of its regions.
+    """List the tissue's material, then those of its regions and muscles.
 
     Parameters
     ----------
@@ -41,8 +41,11 @@ def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
     known = [material.name for material in procedure.materials]
     users = [(TISSUE, procedure.tissue.material)]
     users += [(f"{TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]
+    users += [(f"{MUSCLES}/{muscle.name}", muscle.material) for muscle in procedure.muscles]
     for path, name in users:
         code = ProblemCode.TISSUE_MATERIAL_UNKNOWN if path == TISSUE else ProblemCode.REGION_MATERIAL_UNKNOWN
+        if path.startswith(MUSCLES):
+            code = ProblemCode.MUSCLE_MATERIAL_UNKNOWN
         if name not in known:
             raise refused(code, path, name, materials=MATERIALS, known=", ".join(known) or "none")
     return procedure.materials_in_use()
@@ -132,7 +135,8 @@ def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regio
         If a region's face subset is not there.
     """
     tissue = procedure.tissue
-    if not tissue.regions and not any(material.has_direction for material in materials):
+    along_skin = {tissue.material, *(region.material for region in tissue.regions)}  # muscles have their own courses
+    if not tissue.regions and not any(m.has_direction for m in materials if m.name in along_skin):
         return Regions()
     surface = tissue_surface(tissue)
     skin = surface.origin == FaceOrigin.SKIN

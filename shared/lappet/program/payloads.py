@@ -18,6 +18,7 @@ from lappet.program.settings import MaterialParameters, SolverSettings
 # Of a frame.
 OPTIONAL = (
     "activation",
+    "bone_motion",
     "load_index",
     "load_traction",
     "load_pressure",
@@ -72,6 +73,8 @@ def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payloa
     if bones is not None and len(bones.triangles):
         arrays["bone_points"] = np.asarray(bones.points, np.float64)
         arrays["bone_triangles"] = np.asarray(bones.triangles, np.int32)
+        if len(bones.bodies):
+            arrays["bone_bodies"] = np.asarray(bones.bodies, np.int32)
     return Payload({"settings": told, "materials": materials}, arrays)
 
 
@@ -113,6 +116,11 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
         arrays["ground_points"] = np.asarray(epoch.ground.points, np.float64)
         arrays["ground_triangles"] = np.asarray(epoch.ground.triangles, np.int32)
     arrays.update(_boundary(epoch.boundary))
+    if len(epoch.strands):
+        arrays["strand_start"] = np.asarray(epoch.strands.start, np.int32)
+        arrays["strand_material"] = np.asarray(epoch.strands.material, np.int32)
+        arrays["strand_points"] = np.asarray(epoch.strands.points, np.float64)
+        arrays["strand_radii"] = np.asarray(epoch.strands.radii, np.float64)
     if len(regions):
         told["regions"] = _regions(regions)
         arrays["region_faces"] = np.asarray(regions.faces, np.uint8)

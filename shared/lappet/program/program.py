@@ -25,10 +25,14 @@ class Bones:
         Vertices in mm, shape (b, 3), float64.
     triangles
         Vertex indices, shape (c, 3), int32.
+    bodies
+        The body of bones that each triangle is of, shape (c,), int32: those that stay are one, each that moves is one.
+        Without entries none moves.
     """
 
     points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0, 3), np.int32))
+    bodies: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +95,9 @@ class FrameConstraints:
         Pressure on them in kPa, shape (D,), float64.
     activation
         Activation of each material's muscle from 0 to 1, shape (M,), float64; empty where no material has any.
+    bone_motion
+        Motion of each body of bones from the procedure's start, shape (B, 4, 4), float64, as `retractor_motion`; empty
+        where none moves.
     """
 
     time: float
@@ -117,6 +124,7 @@ class FrameConstraints:
     load_traction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     load_pressure: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     activation: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    bone_motion: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 4, 4), np.float64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +168,7 @@ class Program:
     settings
         How the session solves.
     bones
-        The bones, the same in all frames.
+        The bones where they are at the start.
     fps
         Time codes per second.
     hooks

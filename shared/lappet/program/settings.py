@@ -175,7 +175,9 @@ class SolverSettings:
     precision: Literal["float", "double"] = setting(
         "float", option=Option("Precision of the arithmetic.", choices=("float", "double"))
     )
-    gap_tolerance: float = setting(1e-3)
+    gap_tolerance: float = setting(
+        1e-3, option=Option("Largest gap of sutures and held faces, as a share of the spacing.", above=0, below=1)
+    )
     max_newton: int = setting(100)
     fine_ratio: int = setting(4)
     time_budget: float = setting(0.0, in_key=False)

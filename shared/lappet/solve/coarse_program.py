@@ -77,7 +77,7 @@ def expected_order(program: Program, lattice: LatticeCounts | None = None) -> fl
     orders = NESTED if program.settings.quadrature > 1 else SHIFTED
     if wounded:
         return orders.wounded
-    if len(program.bones.points) or any(len(epoch.regions) for epoch in program.epochs):
+    if len(program.bones.points) or any(len(epoch.regions) or len(epoch.strands) for epoch in program.epochs):
         return orders.layered
     settings = program.settings
     cut = lattice is not None and lattice.fine_voxels != lattice.cells * settings.fine_ratio**3

@@ -29,6 +29,7 @@ from lappet.procedure import (
 )
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.flap_prims import read_flap
+from lappet.usd.muscle_prims import read_muscle
 from lappet.usd.plate_prims import read_plates
 from lappet.usd.values import Reader
 
@@ -40,6 +41,7 @@ PRIM_TYPES = {
     "LappetMaterialAPI": None,
     "LappetSkinLineAPI": "BasisCurves",
     "LappetVesselAPI": "BasisCurves",
+    "LappetMuscleAPI": "BasisCurves",
     "LappetSceneryAPI": "Mesh",
     "LappetFlapAPI": "Scope",
     "LappetPlateAPI": "Scope",
@@ -93,6 +95,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         scenery=tuple(_scenery(reader, prim) for prim in found["LappetSceneryAPI"]),
         flaps=tuple(read_flap(reader, prim) for prim in found["LappetFlapAPI"]),
         plates=read_plates(reader, *(found[f"Lappet{each}API"] for each in ("Plate", "Panel", "Annotation"))),
+        muscles=tuple(read_muscle(reader, prim) for prim in found["LappetMuscleAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -103,7 +106,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
-    found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": []}
+    found |= {"LappetSkinLineAPI": [], "LappetVesselAPI": [], "LappetSceneryAPI": [], "LappetMuscleAPI": []}
     found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "LappetFlapAPI": [], "events": []}
     found |= {"LappetPlateAPI": [], "LappetPanelAPI": [], "LappetAnnotationAPI": []}
     for prim in reader.stage.Traverse():
@@ -226,7 +229,14 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
 
 def _bone(reader: Reader, prim: Any) -> Bone:
     points, counts, indices, _ = _mesh(reader, prim)
-    return Bone(prim.GetName(), points, counts, indices)
+    start = float(reader.stage.GetStartTimeCode())
+    samples = reader.motion(prim, start)
+    rest = reader.motion_at(prim, start)
+    motion: tuple[tuple[float, tuple[float, ...]], ...] = ()
+    if any(not np.array_equal(matrix, rest) for _, matrix in samples) and abs(np.linalg.det(rest)) > 0.0:
+        back = np.eye(4) if np.array_equal(rest, np.eye(4)) else np.linalg.inv(rest)
+        motion = tuple((time, tuple((back @ matrix).ravel())) for time, matrix in samples)
+    return Bone(prim.GetName(), points, counts, indices, motion)
 
 
 def _scenery(reader: Reader, prim: Any) -> Scenery:

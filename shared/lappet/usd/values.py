@@ -422,12 +422,27 @@ class Reader:
             parent = parent.GetParent()
         samples = []
         for time in sorted(times) or [start]:
-            code = self.usd.Usd.TimeCode(time) if np.isfinite(time) else self.usd.Usd.TimeCode.Default()
-            matrix = np.array(self.usd.UsdGeom.XformCache(code).GetLocalToWorldTransform(prim), np.float64)
-            if self.space is not None:
-                matrix = np.linalg.inv(self.space) @ matrix @ self.space
-            samples.append((time, matrix))
+            samples.append((time, self.motion_at(prim, time)))
         return samples
+
+    def motion_at(self, prim: Any, time: float) -> NDArray[np.float64]:
+        """Read the transform of a prim and its parents at a time.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        time
+            Time code; the default value's where it is not finite.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Row-vector matrix of shape (4, 4) in mm and Z up.
+        """
+        code = self.usd.Usd.TimeCode(time) if np.isfinite(time) else self.usd.Usd.TimeCode.Default()
+        matrix = np.array(self.usd.UsdGeom.XformCache(code).GetLocalToWorldTransform(prim), np.float64)
+        return matrix if self.space is None else np.linalg.inv(self.space) @ matrix @ self.space
 
     def _value(self, prim: Any, name: str, required: bool) -> Any:
         attribute = prim.GetAttribute(name)

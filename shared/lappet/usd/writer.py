@@ -19,6 +19,7 @@ from lappet.procedure.prim_paths import (
     BONE,
     FLAPS,
     MATERIALS,
+    MUSCLES,
     PLATES,
     ROOT,
     SCENERY,
@@ -30,6 +31,7 @@ from lappet.procedure.vessel import VESSEL_COLORS
 from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
 from lappet.usd.flap_prims import write_flap
+from lappet.usd.muscle_prims import write_muscle
 from lappet.usd.plate_prims import write_plate
 
 FAMILY = "lappet"
@@ -73,6 +75,10 @@ def layer(procedure: Procedure, usd: Any) -> Any:
     for bone in procedure.bones:
         prim = mesh_prim(stage, usd, f"{BONE}/{bone.name}", bone)
         prim.AddAppliedSchema("LappetBoneAPI")
+        if bone.motion:
+            transform = usd.UsdGeom.Xformable(prim).AddTransformOp(usd.UsdGeom.XformOp.PrecisionDouble)
+            for time, matrix in bone.motion:
+                transform.Set(usd.Gf.Matrix4d(*matrix), time)
     usd.UsdGeom.Scope.Define(stage, MATERIALS)
     for material in procedure.materials:
         _material(stage, usd, material)
@@ -84,6 +90,10 @@ def layer(procedure: Procedure, usd: Any) -> Any:
         usd.UsdGeom.Scope.Define(stage, ANATOMY)
     for vessel in procedure.vessels:
         _vessel(stage, usd, vessel)
+    if procedure.muscles:
+        usd.UsdGeom.Scope.Define(stage, MUSCLES)
+    for muscle in procedure.muscles:
+        write_muscle(stage, usd, muscle)
     if procedure.scenery:
         usd.UsdGeom.Scope.Define(stage, SCENERY)
     for each in procedure.scenery:

@@ -33,6 +33,14 @@ std::vector<Vec3> to_points(const std::vector<double>& elements) {
   return points;
 }
 
+// By rows.
+std::vector<Eigen::Matrix4d> to_matrices(const std::vector<double>& elements) {
+  std::vector<Eigen::Matrix4d> matrices;
+  for (std::size_t i = 0; i + 15 < elements.size(); i += 16)
+    matrices.emplace_back(Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(&elements[i]));
+  return matrices;
+}
+
 // Refuses an index outside [low, count).
 void check_indices(const std::vector<std::int32_t>& indices, std::string_view array, std::int32_t low,
                    std::int64_t count, std::string_view of) {
@@ -128,6 +136,23 @@ Surface decode_surface(ArrayReader& arrays, std::string_view points, std::string
   for (std::size_t i = 0; i < surface.triangles.size(); ++i)
     surface.triangles[i] = {corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]};
   return surface;
+}
+
+void decode_strands(ArrayReader& arrays, std::int32_t materials, EpochInput& epoch) {
+  const auto start = arrays.read<std::int32_t>("strand_start", {kAny});
+  const auto material = arrays.read<std::int32_t>("strand_material", {length(start.size())});
+  check_indices(material, "strand_material", 0, materials, "materials");
+  const std::vector<Vec3> points = to_points(arrays.read_coordinates("strand_points", {kAny, 3}));
+  const std::vector<double> radii = arrays.read_finite("strand_radii", {length(points.size())});
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    const auto first = static_cast<std::int64_t>(start[k]);
+    const std::int64_t end = k + 1 < start.size() ? start[k + 1] : length(points.size());
+    if (first < 0 || first >= end || end > length(points.size()) || (k == 0 && first != 0))
+      invalid("The array 'strand_start' must begin with 0 and grow, each below the number of points; element " +
+              std::to_string(k) + " is " + std::to_string(first) + ".");
+    epoch.strands.push_back(
+        {material[k], {points.begin() + first, points.begin() + end}, {radii.begin() + first, radii.begin() + end}});
+  }
 }
 
 void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t materials, EpochInput& epoch) {
@@ -247,16 +272,9 @@ std::vector<RetractorState> decode_retractors(ArrayReader& arrays, const FrameLi
   check_distinct(retractor_index, "retractor_index");
   const std::vector<double> motion =
       arrays.read_coordinates("retractor_motion", {length(retractor_index.size()), 4, 4});
+  const std::vector<Eigen::Matrix4d> motions = to_matrices(motion);
   std::vector<RetractorState> result;
-  for (std::size_t i = 0; i < retractor_index.size(); ++i) {
-    RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        retractor.motion(row, column) = motion[16 * i + static_cast<std::size_t>(4 * row + column)];
-      }
-    }
-    result.push_back(retractor);
-  }
+  for (std::size_t i = 0; i < retractor_index.size(); ++i) result.push_back({retractor_index[i], motions[i]});
   return result;
 }
 
@@ -287,6 +305,8 @@ SessionSettings decode_open(const Header& header, ArrayParts parts) {
     check_indices(triangles, "bone_triangles", 0, points, "points of bones");
     for (std::size_t i = 0; i < triangles.size(); i += 3)
       settings.bones.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
+    if (arrays.has("bone_bodies"))
+      settings.bone_bodies = arrays.read<std::int32_t>("bone_bodies", {length(settings.bones.triangles.size())});
   }
   arrays.finish();
   return settings;
@@ -312,6 +332,7 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
   if (arrays.has("ground_points") || arrays.has("ground_triangles"))
     epoch.ground = decode_surface(arrays, "ground_points", "ground_triangles", "ground points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
+  if (arrays.has("strand_start")) decode_strands(arrays, materials, epoch);
   if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
@@ -364,6 +385,7 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   }
   state.stability = arrays.read_finite("stability", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
+  if (arrays.has("bone_motion")) state.bone_motions = arrays.read_finite("bone_motion", {kAny, 4, 4});
   if (arrays.has("motion")) {
     state.motion = arrays.read<float>("motion", {kAny, 3});
     check_coordinates(std::vector<double>(state.motion.begin(), state.motion.end()), "motion");
@@ -391,6 +413,8 @@ FrameInput decode_solve(const Header& header, ArrayParts parts, const FrameLimit
     for (std::size_t i = 0; i < index.size(); ++i) frame.loads.push_back({index[i], tractions[i], pressures[i]});
   }
   if (arrays.has("activation")) frame.activation = arrays.read_finite("activation", {limits.materials});
+  if (arrays.has("bone_motion"))
+    frame.bone_motions = to_matrices(arrays.read_finite("bone_motion", {limits.bones, 4, 4}));
   arrays.finish();
   return frame;
 }

@@ -17,6 +17,7 @@ struct FrameLimits {
   std::int32_t sutures = 0;     // in the procedure
   std::int32_t retractors = 0;  // in the procedure
   std::int32_t materials = 1;   // of the session
+  std::int32_t bones = 0;       // of the session, that move
 };
 
 struct Hello {

@@ -58,6 +58,7 @@ void add_state(MessageWriter& writer, const SolverState& state) {
   if (!state.roller_multipliers.empty()) add_rows(writer, "roller_multipliers", state.roller_multipliers, {});
   if (!state.loads.empty()) add_rows(writer, "loads", state.loads, {5});
   add_rows(writer, "activation", state.activation, {});
+  if (!state.bone_motions.empty()) add_rows(writer, "bone_motion", state.bone_motions, {4, 4});
   add_rows(writer, "stability", state.stability, {});
   if (!state.motion.empty()) add_rows(writer, "motion", state.motion, {3});
 }

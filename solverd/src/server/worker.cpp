@@ -163,9 +163,10 @@ std::vector<PartBytes> Worker::answer(const Request& request, zmq::socket_t& rep
 
 FrameOutput Worker::solve(const Request& request, std::span<const std::span<const std::byte>> arrays,
                           zmq::socket_t& replies) {
-  const FrameInput frame = decode_solve(request.header, arrays,
-                                        {*epoch_triangles_, settings_.sutures, settings_.retractors,
-                                         static_cast<std::int32_t>(settings_.materials.size())});
+  const FrameInput frame =
+      decode_solve(request.header, arrays,
+                   {*epoch_triangles_, settings_.sutures, settings_.retractors,
+                    static_cast<std::int32_t>(settings_.materials.size()), settings_.moving_bones()});
   refuse_if_cancelled(request);
   std::chrono::steady_clock::time_point last{};
   const auto report = [&](const Progress& progress) {

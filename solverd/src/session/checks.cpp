@@ -19,6 +19,7 @@ namespace {
 
 // A cell keeps the number of its material in one byte.
 constexpr std::size_t kMaxMaterials = 256;
+constexpr std::int32_t kMaxBoneBodies = 1024;
 // A thread couples all that it holds with itself.
 constexpr std::size_t kMaxInnerBites = 254;
 constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
@@ -129,6 +130,27 @@ void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
   }
 }
 
+void check_strands(const EpochInput& epoch, const SessionSettings& settings) {
+  for (std::size_t k = 0; k < epoch.strands.size(); ++k) {
+    const Strand& strand = epoch.strands[k];
+    require(strand.material >= 0 && strand.material < std::ssize(settings.materials),
+            "strand {} of epoch {} is of material {} of {}", k, epoch.index, strand.material,
+            settings.materials.size());
+    require(strand.points.size() >= 2 && strand.radii.size() == strand.points.size(),
+            "strand {} of epoch {} has {} points and {} radii; give two points or more, and a radius for each", k,
+            epoch.index, strand.points.size(), strand.radii.size());
+    double length = 0.0;
+    for (std::size_t p = 0; p < strand.points.size(); ++p) {
+      require(finite(strand.points[p]) && strand.points[p].cwiseAbs().maxCoeff() <= kMaxCoordinate,
+              "point {} of strand {} of epoch {} is not finite", p, k, epoch.index);
+      require(strand.radii[p] >= 0.0 && strand.radii[p] <= kMaxCoordinate,
+              "strand {} of epoch {} has the radius {} mm; it must not be negative", k, epoch.index, strand.radii[p]);
+      if (p > 0) length += (strand.points[p] - strand.points[p - 1]).norm();
+    }
+    require(length > 0.0, "strand {} of epoch {} has no length", k, epoch.index);
+  }
+}
+
 void check_loads_and_rollers(const EpochInput& epoch) {
   const std::size_t count = epoch.surface.triangles.size();
   require(epoch.roller.empty() || epoch.roller.size() == count,
@@ -180,6 +202,41 @@ void check_bones(const Surface& bones) {
         edge.first, edge.second);
 }
 
+// Each body is closed by itself.
+void check_bone_bodies(const SessionSettings& settings) {
+  if (settings.bone_bodies.empty()) return;
+  const auto& triangles = settings.bones.triangles;
+  require(settings.bone_bodies.size() == triangles.size(), "{} triangles of bones are of a body; there are {}",
+          settings.bone_bodies.size(), triangles.size());
+  std::map<std::int32_t, Surface> bodies;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::int32_t body = settings.bone_bodies[t];
+    require(body >= 0 && body < kMaxBoneBodies, "a triangle of the bones is of body {}; give 0 to {}", body,
+            kMaxBoneBodies - 1);
+    Surface& surface = bodies[body];
+    if (surface.points.empty()) surface.points = settings.bones.points;
+    surface.triangles.push_back(triangles[t]);
+  }
+  require(std::ssize(bodies) == settings.moving_bones(), "of the bodies of bones 0 to {} only {} have triangles",
+          settings.moving_bones() - 1, bodies.size());
+  for (const auto& [body, surface] : bodies) check_bones(surface);
+}
+
+void check_rigid(const Eigen::Matrix4d& motion, const char* what, std::size_t index, double time) {
+  require(motion.allFinite() && motion.cwiseAbs().maxCoeff() <= kMaxCoordinate,
+          "the motion of {} {} at frame {:g} is not finite", what, index, time);
+  const Eigen::Matrix3d rotation = motion.topLeftCorner<3, 3>();
+  require((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < 1e-4 && rotation.determinant() > 0 &&
+              motion.row(3) == Eigen::RowVector4d(0, 0, 0, 1),
+          "the motion of {} {} at frame {:g} is not rigid; give a rotation and a translation only", what, index, time);
+}
+
+void check_bone_motions(const std::vector<Eigen::Matrix4d>& motions, std::int32_t bodies, double time) {
+  require(motions.empty() || std::ssize(motions) == bodies, "{} bones move at frame {:g}; there are {} that can",
+          motions.size(), time, bodies);
+  for (std::size_t k = 0; k < motions.size(); ++k) check_rigid(motions[k], "bone", k, time);
+}
+
 }  // namespace
 
 void check_settings(const SessionSettings& s) {
@@ -223,6 +280,7 @@ void check_settings(const SessionSettings& s) {
             "material {} is of the model '{}' but material 0 of '{}'; give all materials of one tissue the same model",
             i, s.materials[i].model, s.materials[0].model);
   check_bones(s.bones);
+  check_bone_bodies(s);
   require_held(kHasContact, !s.bones.triangles.empty(), "contact");
   require_held(kHasErrorEstimate, s.correction, "the error estimate");
   require_held(kHasStrain, s.strain, "strain");
@@ -267,6 +325,7 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
     check_anchor({epoch.landmarks[k], epoch.landmark_triangles[k]}, surface, box, "landmark");
   check_regions(epoch, settings);
+  check_strands(epoch, settings);
 }
 
 void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface, const Box3& box) {
@@ -312,6 +371,7 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             "the motion of retractor {} at frame {:g} is not rigid; give a rotation and a translation only",
             retractor.index, frame.time);
   }
+  check_bone_motions(frame.bone_motions, settings.moving_bones(), frame.time);
   std::set<std::int32_t> loads;
   for (const auto& load : frame.loads) {
     require(loads.insert(load.index).second, "frame {:g} loads the faces {} twice", frame.time, load.index);
@@ -322,7 +382,12 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
 }
 
 void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, std::size_t materials,
-                 bool is_double) {
+                 bool is_double, std::int32_t bones) {
+  require(state.bone_motions.empty() || std::ssize(state.bone_motions) == 16 * bones,
+          "the state has {} values of motions of bones; give none or {}", state.bone_motions.size(), 16 * bones);
+  for (const double value : state.bone_motions)
+    require(std::isfinite(value) && std::abs(value) <= kMaxCoordinate,
+            "the state holds a motion of a bone that is not finite");
   require(state.is_double == is_double, "the state is in {} but the session solves in {}",
           state.is_double ? "double" : "float", is_double ? "double" : "float");
   require(state.nodes.size() == node_values, "the state has {} nodes but the epoch's lattice has {}",

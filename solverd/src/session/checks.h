@@ -11,6 +11,6 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings);
 // box: around the surface of the epoch.
 void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface, const Box3& box);
 void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, std::size_t materials,
-                 bool is_double);
+                 bool is_double, std::int32_t bones = 0);
 
 }  // namespace lappet

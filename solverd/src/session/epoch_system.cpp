@@ -48,7 +48,7 @@ std::vector<Section> sections_of(const EpochInput& epoch) {
 
 template <class Real>
 EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& settings,
-                               std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground,
+                               const std::optional<BoneDistance>& bones, std::shared_ptr<const Ground> ground,
                                const Interrupt& interrupt)
     : surface(epoch.surface),
       walls(epoch.walls),
@@ -57,13 +57,14 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
       loaded(loaded_faces(epoch, lattice, surface, interrupt)),
       sections(sections_of(epoch)),
       system(lattice,
-             assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields, interrupt),
+             assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields, interrupt,
+                              epoch.strands),
              settings.quadrature, attachments_of(epoch, lattice, surface, std::move(ground), interrupt),
              settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity,
              interrupt),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, walls, loaded, system) {
-  if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings, interrupt));
+  if (bones) system.set_contact(contact_with_bones(*bones, lattice, epoch, settings, interrupt));
   if (settings.self_contact)
     system.set_self_contact(
         std::make_unique<SelfContact>(lattice, surface, settings.materials[0].youngs_modulus, interrupt));

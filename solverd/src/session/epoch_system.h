@@ -15,7 +15,7 @@ class SignedDistance;
 template <class Real>
 struct EpochSystem {
   // bones, ground: null without any. Refuses what bones and budgets do not allow.
-  EpochSystem(const EpochInput& epoch, const SessionSettings& settings, std::shared_ptr<const SignedDistance> bones,
+  EpochSystem(const EpochInput& epoch, const SessionSettings& settings, const std::optional<BoneDistance>& bones,
               std::shared_ptr<const Ground> ground, const Interrupt& interrupt);
   EpochSystem(const EpochSystem&) = delete;
   EpochSystem& operator=(const EpochSystem&) = delete;

@@ -11,6 +11,7 @@
 
 #include "force/materials/material_models.h"
 #include "lattice/refused.h"
+#include "session/bones.h"
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
@@ -99,7 +100,9 @@ class FrameSearch {
 
  private:
   void search() {
-    walk(RetrySchedule(valid_ && moved_, settings_.max_newton, epoch_.system.self_contact() != nullptr));
+    walk(RetrySchedule(valid_ && moved_, settings_.max_newton, epoch_.system.self_contact() != nullptr,
+                       steps_of_bones(settings_, before_.bone_motions, frame_.bone_motions),
+                       steps_of_bones(settings_, {}, frame_.bone_motions)));
     settle_doubt();
     if (settings_.stability && found_.outcome.converged) leave_saddles();
   }
@@ -230,6 +233,7 @@ class FrameSearch {
     if (found_.outcome.converged) {
       found_.state.activation = epoch_.constraints.activation_of(to);
       found_.state.loads = to.loads;
+      found_.state.bone_motions = to.bone_motions;
     }
     return found_.outcome.converged;
   }

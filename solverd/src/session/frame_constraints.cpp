@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "session/bones.h"
+
 namespace lappet {
 
 namespace {
@@ -95,6 +97,7 @@ FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s, co
   result.activation = activation_of(frame);
   for (std::size_t m = 0; m < state.activation.size(); ++m)
     result.activation[m] = (1 - s) * state.activation[m] + s * result.activation[m];
+  result.bone_motions = bones_partway(settings_, state.bone_motions, frame.bone_motions, s);
   return result;
 }
 
@@ -135,6 +138,7 @@ void FrameConstraints<Real>::apply(const FrameInput& frame, TissueState<Real>& s
   }
   system_.set_retractors(active, motions);
   system_.set_activation(activation_of(frame));
+  system_.place_bones(frame.bone_motions);
   place_sutures(frame, state);
   system_.set_point_constraints(point_constraints(frame, state));
   system_.set_loads(loads_of(frame), state.u);

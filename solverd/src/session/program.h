@@ -44,6 +44,12 @@ struct SessionSettings {
   // materials[0] is what the tissue is made of where no region says otherwise.
   std::vector<MaterialParameters> materials{MaterialParameters{}};
   Surface bones;  // all of them as one closed surface; empty: none
+  // Per triangle of the bones: the body that it is of, from 0 on, each closed; frames move each. Empty: all stay.
+  std::vector<std::int32_t> bone_bodies;
+
+  std::int32_t moving_bones() const {
+    return bone_bodies.empty() ? 0 : *std::max_element(bone_bodies.begin(), bone_bodies.end()) + 1;
+  }
 };
 
 // Every setting of the message `open` with its name on the wire, and what it may be: a setting is defined in
@@ -99,6 +105,7 @@ struct EpochInput {
   Surface skin;
   SkinFields skin_fields;
   std::vector<MaterialRegion> regions;
+  std::vector<Strand> strands;  // of muscles
   // What faces with the bed label 2 rest on: the underside before any cut. Empty: that of `surface`, its faces with a
   // bed label.
   Surface ground;
@@ -161,9 +168,10 @@ struct FrameInput {
   double time = 0.0;
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;
-  std::vector<RetractorState> retractors;  // the active ones
-  std::vector<LoadState> loads{};          // likewise
-  std::vector<double> activation;          // of the muscles, per material, in [0, 1]; empty: all 0
+  std::vector<RetractorState> retractors;       // the active ones
+  std::vector<LoadState> loads{};               // likewise
+  std::vector<double> activation;               // of the muscles, per material, in [0, 1]; empty: all 0
+  std::vector<Eigen::Matrix4d> bone_motions{};  // of each body of bones, from rest; empty: all are there
   bool operator==(const FrameInput&) const = default;
 };
 
@@ -178,6 +186,7 @@ struct SolverState {
   std::vector<double> roller_multipliers;  // opaque
   std::vector<double> loads;               // 5 per load of the last frame: index, traction, pressure
   std::vector<double> activation;          // per material, as the last frame had it
+  std::vector<double> bone_motions;        // 16 per body of bones, by rows, likewise; empty: all are at rest
   std::vector<double> stability;           // opaque
   std::vector<float> motion;               // how the nodes moved last, 3 per node, mm; empty: not yet, or nobody knows
 };

@@ -21,11 +21,14 @@ class RetrySchedule {
  public:
   // before: the state before differs from rest and is valid to start from. max_newton: iterations of one load step.
   // self_contact: tissue does not pass through tissue.
-  RetrySchedule(bool before, int max_newton, bool self_contact = false)
+  // least, least_from_rest: load steps of the first attempt from the state before, and from rest.
+  RetrySchedule(bool before, int max_newton, bool self_contact = false, int least = 1, int least_from_rest = 1)
       : keeps_before_(before && self_contact),
         max_newton_(std::min(max_newton, kMaxNewton)),
-        budget_(kNewtonBudget * max_newton_),
-        next_{Attempt{!before, 1}} {}
+        least_from_rest_(least_from_rest),
+        max_load_steps_(std::max(kMaxLoadSteps, kMaxHalvings * std::max(least, least_from_rest))),
+        budget_(kNewtonBudget * max_newton_ * (before ? least : least_from_rest)),
+        next_{Attempt{!before, before ? least : least_from_rest}} {}
 
   const std::optional<Attempt>& next() const { return next_; }
   // Newton iterations that a load step may take once the frame has taken `used`.
@@ -43,21 +46,22 @@ class RetrySchedule {
     if (goes_on) return;
     unimproved_ = load_step > 0 || residual < kHelp * residual_ ? 0 : unimproved_ + 1;
     residual_ = residual;
-    if (unimproved_ < kMaxUnimproved && next_->load_steps < kMaxLoadSteps)
+    if (unimproved_ < kMaxUnimproved && next_->load_steps < max_load_steps_)
       next_->load_steps *= 2;
     else
       give_up(used);
   }
   void start_over(int used) {
-    next_ = Attempt{true, 1};
+    next_ = Attempt{true, least_from_rest_};
     unimproved_ = 0;
     furthest_ = 0.0;
     residual_ = std::numeric_limits<double>::infinity();
-    budget_ = used + kNewtonBudget * max_newton_ / 2;
+    budget_ = used + kNewtonBudget * max_newton_ * least_from_rest_ / 2;
   }
 
  private:
   static constexpr int kMaxLoadSteps = 16;
+  static constexpr int kMaxHalvings = 4;        // of the load steps that moving bones ask for, as a factor
   static constexpr int kMaxNewton = 1'000'000;  // as good as no limit, and its sums are far from an int's end
   // A halved first load step that fails at a residual not this much lower did not help; so often in a row.
   static constexpr double kHelp = 0.5;
@@ -74,7 +78,7 @@ class RetrySchedule {
   }
 
   bool keeps_before_;
-  int max_newton_, budget_;
+  int max_newton_, least_from_rest_, max_load_steps_, budget_;
   std::optional<Attempt> next_;
   double residual_ = std::numeric_limits<double>::infinity();
   double furthest_ = 0.0;  // share of the load

@@ -68,7 +68,7 @@ class TypedSession : public Session::Implementation {
   void set_state(const SolverState& state) override {
     if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a state came before any epoch; send the epoch first");
     check_state(state, state_.u.size(), state_.suture_gaps.size(), settings_.materials.size(),
-                std::is_same_v<Real, double>);
+                std::is_same_v<Real, double>, settings_.moving_bones());
     state_ = imported<Real>(state);
     last_frame_.clear();
   }
@@ -130,7 +130,7 @@ class TypedSession : public Session::Implementation {
 
   SessionSettings settings_;
   tbb::task_arena arena_;
-  std::shared_ptr<const SignedDistance> bones_;  // null: none, or no epoch yet
+  std::optional<BoneDistance> bones_;  // none, or no epoch yet
   GroundOfSession ground_;
   std::unique_ptr<EpochSystem<Real>> epoch_;  // null before the first
   TissueState<Real> state_;                   // fits the epoch

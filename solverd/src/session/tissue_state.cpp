@@ -70,6 +70,8 @@ double digest(const FrameInput& frame) {
     digest.add(load.pressure);
   }
   for (const double activation : frame.activation) digest.add(activation);
+  for (const Eigen::Matrix4d& motion : frame.bone_motions)
+    for (const double entry : motion.reshaped()) digest.add(entry);
   return digest.value();
 }
 
@@ -89,6 +91,7 @@ TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from
   carried.multipliers.of_constraint = state.multipliers.of_constraint;
   carried.activation = state.activation;
   carried.loads = state.loads;
+  carried.bone_motions = state.bone_motions;
   carried.u.assign(3 * to.node_rest.size(), Real(0));
   if (!from) return carried;
   std::vector<Vec3> positions = rows(state.u);
@@ -120,6 +123,8 @@ SolverState exported(const TissueState<Real>& state) {
     result.loads.insert(result.loads.end(), {static_cast<double>(load.index), t[0], t[1], t[2], load.pressure});
   }
   result.activation = state.activation;
+  for (const Eigen::Matrix4d& motion : state.bone_motions)
+    for (const double entry : motion.reshaped<Eigen::RowMajor>()) result.bone_motions.push_back(entry);
   result.motion = state.motion;
   const FrameStability& stability = state.stability;
   if (stability.constraints != 0.0 && std::isfinite(stability.lowest_stiffness)) {
@@ -144,6 +149,9 @@ TissueState<Real> imported(const SolverState& state) {
     result.loads.push_back(
         {static_cast<std::int32_t>(state.loads[k]), Vec3::Map(&state.loads[k + 1]), state.loads[k + 4]});
   result.activation = state.activation;
+  for (std::size_t k = 0; k + 15 < state.bone_motions.size(); k += 16)
+    result.bone_motions.emplace_back(
+        Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(&state.bone_motions[k]));
   result.motion = state.motion;
   if (state.stability.size() >= 2) {
     result.stability.constraints = state.stability[0];

@@ -27,8 +27,9 @@ struct TissueState {
   std::vector<Real> u;              // displacements, 3 per node, mm
   std::vector<double> suture_gaps;  // as in SolverState
   Multipliers multipliers;
-  std::vector<double> activation;  // of the muscles, per material
-  std::vector<LoadState> loads;    // of the last frame
+  std::vector<double> activation;             // of the muscles, per material
+  std::vector<LoadState> loads;               // of the last frame
+  std::vector<Eigen::Matrix4d> bone_motions;  // likewise
   FrameStability stability;
   std::vector<float> motion;  // as in SolverState
 
@@ -37,6 +38,7 @@ struct TissueState {
     multipliers = {};
     stability = {};
     motion.clear();
+    bone_motions.clear();
   }
 };
 

@@ -60,8 +60,8 @@ struct EverythingActs {
     system = std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1, std::move(attachments), 1,
                                               BedStiffness{20.0, 20.0}, Vec3(0, 0, -9810));
     const Surface bone = test::sphere({6, 4, -6}, 6.3, 60);
-    auto contact = std::make_unique<Contact>(std::make_shared<const SignedDistance>(bone, 0.5, 3.0, 1 << 28), lattice,
-                                             tissue, fixed, 500.0);
+    auto contact = std::make_unique<Contact>(
+        BoneDistance({std::make_shared<const SignedDistance>(bone, 0.5, 3.0, 1 << 28)}), lattice, tissue, fixed, 500.0);
     system->set_contact(std::move(contact));
     const Eigen::Matrix4d motion = translation({0.05, 0.0, -0.1});
     const std::int32_t gripped = 0;

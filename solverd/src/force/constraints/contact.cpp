@@ -55,7 +55,7 @@ class WayIntoBone {
 
 }  // namespace
 
-Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice, const Surface& surface,
+Contact::Contact(BoneDistance bones, const Lattice& lattice, const Surface& surface,
                  std::span<const std::uint8_t> fixed, double stiffness, const Interrupt& interrupt)
     : bones_(std::move(bones)), lattice_(lattice), stiffness_(stiffness) {
   Embedder embedder(lattice, surface);
@@ -127,7 +127,7 @@ std::vector<double> Contact::restrict_pressures(std::span<const double> pressure
 Contact::Depth Contact::deepest_at_rest() const {
   Depth result;
   for (const Vec3& point : rest_)
-    if (const double depth = -bones_->at(point).value; depth > result.depth) result = {depth, point};
+    if (const double depth = -bones_.at_rest(point).value; depth > result.depth) result = {depth, point};
   return result;
 }
 
@@ -139,7 +139,7 @@ void Contact::evaluate(std::span<const Real> u, std::span<const double> pressure
     auto& found = found_[chunk];
     found.clear();
     for (std::size_t p = begin; p < end; ++p) {
-      const auto sample = bones_->at(rest_[p] + displacement(lattice_, proxies_[p].point, u));
+      const auto sample = bones_.at(rest_[p] + displacement(lattice_, proxies_[p].point, u));
       const double squeezed = (pressures.empty() ? 0.0 : pressures[p] / stiffness_) - sample.value;
       if (!(squeezed > 0.0)) continue;
       const auto& nodes = lattice_.cell_nodes[proxies_[p].point.cell];
@@ -147,7 +147,7 @@ void Contact::evaluate(std::span<const Real> u, std::span<const double> pressure
       for (std::size_t k = 0; k < 8; ++k) moves = moves || (free[nodes[k]] && proxies_[p].point.weights[k] != 0.0);
       if (moves)
         found.push_back({std::uint32_t(p), -sample.value, squeezed, sample.gradient});
-      else if (const double sunk = bones_->at(rest_[p]).value - sample.value;
+      else if (const double sunk = bones_.at_rest(rest_[p]).value - sample.value;
                sunk > kAllowedPenetration * lattice_.settings.spacing)
         carried[chunk] = std::max(carried[chunk], -sample.value);
     }
@@ -186,7 +186,7 @@ void Contact::update_pressures(const ContactState& at, std::vector<double>& pres
 
 template <class Real>
 double Contact::largest_step(std::span<const Real> u, std::span<const Real> step, double max_part) const {
-  const double deepest = kMaxDepthOnTheWay * lattice_.settings.spacing, stride = bones_->spacing();
+  const double deepest = kMaxDepthOnTheWay * lattice_.settings.spacing, stride = bones_.spacing();
   std::vector<double> part_of_chunk(found_.size(), max_part);
   for_each_chunk(proxies_.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     double& most = part_of_chunk[chunk];
@@ -194,7 +194,7 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
       const Vec3 move = displacement(lattice_, proxies_[p].point, step);
       const double length = move.norm();
       const Vec3 from = rest_[p] + displacement(lattice_, proxies_[p].point, u);
-      const auto start = bones_->at(from);
+      const auto start = bones_.at(from);
       if (most * length <= std::min(start.value, stride)) continue;
       WayIntoBone way(start, deepest);
       double clear = 0.0;
@@ -204,13 +204,13 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
           break;
         }
         double part = std::min(most, clear + stride / length);
-        if (way.goes_on(bones_->at(from + part * move))) {
+        if (way.goes_on(bones_.at(from + part * move))) {
           clear = part;
           continue;
         }
         for (int k = 0; k < kBisections; ++k) {
           const double middle = 0.5 * (clear + part);
-          (way.goes_on(bones_->at(from + middle * move)) ? clear : part) = middle;
+          (way.goes_on(bones_.at(from + middle * move)) ? clear : part) = middle;
         }
         most = std::max(clear, part - clear);  // some way at least
         break;

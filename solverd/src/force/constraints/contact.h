@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "force/constraints/bone_distance.h"
 #include "force/constraints/contact_penalty.h"
-#include "force/constraints/signed_distance.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -38,13 +38,16 @@ class Contact {
  public:
   // Proxies at the surface's vertices and, where a triangle is larger than a cell, inside it. Fixed triangles (1)
   // cannot be pushed and carry none. stiffness: k, kPa/mm.
-  Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice, const Surface& surface,
-          std::span<const std::uint8_t> fixed, double stiffness, const Interrupt& interrupt = {});
+  Contact(BoneDistance bones, const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
+          double stiffness, const Interrupt& interrupt = {});
 
   // The proxies of some cells of a lattice as those of another lattice; place: per cell, its index there or -1.
   Contact(const Contact& whole, const Lattice& lattice, std::span<const Index> place);
   // Those of the pressures of all proxies here that belong to the proxies of those cells.
   std::vector<double> restrict_pressures(std::span<const double> pressures, std::span<const Index> place) const;
+
+  // Moves the bones, as BoneDistance::place.
+  void place_bones(std::span<const Eigen::Matrix4d> motions) { bones_.place(motions); }
 
   // How deep the tissue lies in bone at rest, and where; mm.
   struct Depth {
@@ -76,7 +79,7 @@ class Contact {
     double area;  // mm^2
   };
 
-  std::shared_ptr<const SignedDistance> bones_;
+  BoneDistance bones_;
   const Lattice& lattice_;
   double stiffness_;
   std::vector<Proxy> proxies_;

@@ -87,11 +87,12 @@ void split_families(const Lattice& lattice, CellMaterials& materials) {
 
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
                                std::span<const MaterialRegion> regions, const SkinFields& fields,
-                               const Interrupt& interrupt) {
+                               const Interrupt& interrupt, std::span<const Strand> strands) {
   CellMaterials result{std::move(table)};
   const bool directional = std::ranges::any_of(result.table, has_direction);
   if (regions.empty() || skin.triangles.empty()) result.shares = shares_of_fills(lattice);
   if ((regions.empty() && !directional) || skin.triangles.empty()) {
+    lay_strands(lattice, strands, result, interrupt);
     split_families(lattice, result);
     return result;
   }
@@ -135,6 +136,7 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
     }
   });
   for (const auto& chunk : chunks) result.shares.insert(result.shares.end(), chunk.begin(), chunk.end());
+  lay_strands(lattice, strands, result, interrupt);
   split_families(lattice, result);
   if (result.direction_of_cell.empty() && flat(result)) result.normal_of_cell.clear();
   return result;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "force/materials/material_parameters.h"
+#include "force/materials/strands.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -30,9 +31,10 @@ struct SkinFields {
 // A place is of the material of the last region that holds the skin's triangle closest to it and the distance to that;
 // where none does, of table[0]. Where a material has a direction (fibers, muscle, prestretch) each cell gets the skin's
 // normal at the point closest to its center too, unless all of them are z, and the direction and stretch there that
-// `fields` has. `skin` need not be closed; it may be empty without regions. At most 256 materials.
+// `fields` has. Strands of muscle lie in all of it (strands.h). `skin` need not be closed; it may be empty without
+// regions. At most 256 materials.
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
                                std::span<const MaterialRegion> regions, const SkinFields& fields = {},
-                               const Interrupt& interrupt = {});
+                               const Interrupt& interrupt = {}, std::span<const Strand> strands = {});
 
 }  // namespace lappet

@@ -68,6 +68,10 @@ class System {
   void set_activation(std::span<const double> activation) { elastic_.set_activation(activation); }
   // Where there are bones; null: none.
   void set_contact(std::unique_ptr<Contact> contact) { contact_ = std::move(contact); }
+  // Moves the bones, as BoneDistance::place.
+  void place_bones(std::span<const Eigen::Matrix4d> motions) {
+    if (contact_) contact_->place_bones(motions);
+  }
   const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
   // What the surface does to itself; null: it passes through itself. A restricted system has none.
   void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
