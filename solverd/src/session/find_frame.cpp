@@ -389,7 +389,7 @@ class FrameSearch {
   EquilibriumOptions options_;
   SolveObserver observer_;
   FoundFrame<Real> found_;
-  SolveEffort in_vain_;  // before tissue was found to meet tissue
+  SolveEffort in_vain_;                                       // before tissue was found to meet tissue
   double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
   std::vector<Real> mode_;
   // An equilibrium with inverted cells, until one from rest confirms it.

@@ -52,9 +52,8 @@ class ContactSystem {
     system_ = std::make_unique<System<double>>(lattice_, CellMaterials{{MaterialParameters{}}}, 1,
                                                attach(lattice_, surface, epoch_.fixed, epoch_.bed, epoch_.grip), 0,
                                                BedStiffness{10.0, 10.0}, gravity);
-    system_->set_contact(
-        std::make_unique<Contact>(std::make_shared<const SignedDistance>(bones, 0.5, 3.0, std::size_t{1} << 30),
-                                  lattice_, surface, epoch_.fixed, penalty));
+    const auto distance = std::make_shared<const SignedDistance>(bones, 0.5, 3.0, std::size_t{1} << 30);
+    system_->set_contact(std::make_unique<Contact>(BoneDistance({distance}), lattice_, surface, epoch_.fixed, penalty));
     u.assign(3 * system_->nodes(), 0.0);
   }
   System<double>& system() { return *system_; }

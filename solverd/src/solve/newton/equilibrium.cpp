@@ -425,8 +425,8 @@ class EquilibriumSearch {
       multipliers_ = search.multipliers_;
       energy_ = search.now_.energy;
     }
-    // Goes back to it where tissue met tissue on the way, or where it touches now and the energy of the whole, with what
-    // presses on it, is no lower.
+    // Goes back to it where tissue met tissue on the way, or where it touches now and the energy of the whole, with
+    // what presses on it, is no lower.
     bool is_undone() const {
       if (u_.empty()) return false;
       const bool lower = !search_.now_.self_contact.touches() || search_.now_.energy < energy_;
