@@ -173,7 +173,7 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
     edges = [[{"name": "", "co": (x, y, TOP)} for x in (-3, 3)] for y in (2, -2)]
     ops.suture_run(first_edge=edges[0], second_edge=edges[1], start=6, duration=4, spacing=2)
     expected = {
-        "incision_1": {"moment", "through", "depth", "kerf", "closed", "basis"},
+        "incision_1": {"moment", "through", "depth", "kerf", "closed", "basis", "direction"},
         "hook_1": {"moment", "end", "target", "stiffness"},
         "suture_1": {"moment", "duration", "mode", "pull_through"},
         "suture_run_1": {

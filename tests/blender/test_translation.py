@@ -20,7 +20,7 @@ from lappet_blender.interface.sidebar_panel import SidebarPanel
 from lappet_blender.translation.dictionary import CONTEXTS, LANGUAGES, blender_dictionary, messages
 
 ADDON = Path(lappet_blender.__file__).parent
-# Said alike in every language: names of people, publishers, curves and materials of the shelf.
+# Said alike in every language: names of people, publishers, curves and materials.
 _NAMES = {"B-spline", "Bézier", "Corotated", "Elsevier", "Mooney–Rivlin", "Neo-Hookean", "Plos", "Springer"}
 _NAMES |= {"Stable neo-Hookean", *THREADS}
 # Fields that no panel shows: scripts set them.

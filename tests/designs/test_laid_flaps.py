@@ -87,6 +87,10 @@ def test_a_flap_that_was_laid_along_skin_lines_follows_them_where_it_is_moved_to
     assert (turned.lines, turned.direction) == ("", (1.0, 0.0, 0.0))
 
 
+# Measures that move no corner of the plan where a lip has no free border.
+WITHOUT_HANDLE = {"millard": {"drop", "undermined"}}
+
+
 @pytest.mark.parametrize("name", DESIGNS)
 def test_every_measure_but_a_count_has_a_handle_that_leaves_the_design_as_it_is_where_it_is(
     wide: Procedure, name: str
@@ -95,7 +99,8 @@ def test_every_measure_but_a_count_has_a_handle_that_leaves_the_design_as_it_is_
     laid = LaidFlap(name.replace("-", "_"), name, (0.0, 0.0, TOP), (1.0, 0.0, 0.0), measures)
     flap = HandledFlap(wide, laid)
     handles = flap.handles()
-    measured = [each for each in DESIGNS[name].parameters if not each.whole]
+    without = WITHOUT_HANDLE.get(name, set())
+    measured = [each for each in DESIGNS[name].parameters if not each.whole and each.name not in without]
     assert [handle.name for handle in handles] == ["place", "turn", *(each.name for each in measured)]
     points = np.array([handle.point for handle in handles])
     apart = np.linalg.norm(points[:, None] - points, axis=2)[~np.eye(len(points), dtype=bool)]
