@@ -12,7 +12,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = {".py", ".h", ".cpp", ".md", ".toml", ".txt", ".sh", ".cmake", ".cff", ".usda", ".expected", ""}
 # Recorded geometry and the words themselves.
-SKIPPED = re.compile(r"^(tests/usd/kept/|tests/packaging/test_words\.py$|addon/lappet_blender/translation/labels\.toml$|LICENSE$|examples/.*\.usda$|.*\.dat$)")
+SKIPPED = re.compile(
+    r"^(tests/usd/kept/|tests/packaging/test_words\.py$|"
+    r"addon/lappet_blender/translation/labels\.toml$|LICENSE$|examples/.*\.usda$|.*\.dat$)"
+)
 
 
 @dataclass(frozen=True)
