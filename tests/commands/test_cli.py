@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -281,3 +282,15 @@ def test_new_takes_the_skin_inside_an_outline_and_draws_it(tmp_path: Path) -> No
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
     reach = np.ptp(read_procedure(tmp_path / "p.usda").tissue.points, axis=0)
     assert reach[:2] == pytest.approx([49.4, 30.0], abs=2.5)  # corners of the outline are rounded by triangles of 4 mm
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no signal of a reader that has left")
+def test_a_reader_that_leaves_early_is_no_error_to_speak_of() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    said = subprocess.run(
+        [sys.executable, "-m", "lappet", "flap", "list"], stdout=writing, stderr=subprocess.PIPE, check=False
+    )
+    os.close(writing)
+    assert said.returncode == 1
+    assert said.stderr == b""

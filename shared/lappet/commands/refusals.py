@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import select
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -33,6 +35,8 @@ def sentences(context: click.Context) -> Iterator[None]:
         If the command ends itself.
     Abort
         If the user aborts at a prompt.
+    BrokenPipeError
+        If the reader of standard output has left, as `head` does; click ends the command without a word.
     """
     try:
         yield
@@ -42,12 +46,24 @@ def sentences(context: click.Context) -> Iterator[None]:
         click.echo("Stopped.", err=True)
         context.exit(1)
     except Exception as error:
+        if isinstance(error, BrokenPipeError) and _reader_left():
+            raise
         debug = bool(context.find_root().obj)
         if debug:
             raise
         for each in problems_of(error):
             click.echo(str(each), err=True)
         context.exit(1)
+
+
+def _reader_left() -> bool:
+    """Whether nobody reads standard output any more, as a pipe's poll tells."""
+    try:
+        watched = select.poll()
+        watched.register(sys.stdout.fileno(), 0)
+        return any(events & select.POLLERR for _, events in watched.poll(0))
+    except (AttributeError, OSError, ValueError):  # Windows has no poll; a test's output has no file
+        return False
 
 
 def problems_of(error: Exception) -> tuple[Problem, ...]:

@@ -47,7 +47,7 @@ _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
 _UNDER_TEXT = np.array([[x, 0.0] for x in (-2.4, -1.2, 0.0, 1.2, 2.4)])  # mm: places that a measure covers
 _PLANS = (StepKind.PLAN, StepKind.PLAN_EXCISION)
 _PULLED = (StepKind.RAISED, StepKind.RETRACTED)
-_HATCH = 1.8  # mm on paper between the lines over an area undermined
+_HATCH = 2.5  # mm on paper between the lines over an area undermined
 _BARS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # mm
 
 

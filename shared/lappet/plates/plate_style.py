@@ -96,13 +96,14 @@ class PlateStyle:
 
 _INK = "#111111"
 _BLUE = "#1f4e9c"
+_PALE_BLUE = "#8ea5cd"  # recedes behind arrows and wounds
 _PENS = {
     LineKind.CONTOUR: Pen(0.25, _INK),
     LineKind.WOUND_EDGE: Pen(0.4, _INK),
     LineKind.WALL_FOOT: Pen(0.18, _INK),
     LineKind.PLAN: Pen(0.45, _BLUE),
     LineKind.UNDERMINED: Pen(0.25, _BLUE),
-    LineKind.UNDERMINED_HATCH: Pen(0.18, _BLUE),
+    LineKind.UNDERMINED_HATCH: Pen(0.18, _PALE_BLUE),
     LineKind.DISSECTION: Pen(0.6, _BLUE, (1.6, 0.8)),
     LineKind.THREAD: Pen(0.25, "#10204a"),
     LineKind.INSTRUMENT: Pen(0.7, "#5a6068"),
@@ -119,10 +120,8 @@ _PENS = {
     LineKind.MARK_DOT: Pen(0.75, "#7a5aa6"),
 }
 # The surgeon's marking pen: gentian violet.
-_VIOLET = {
-    kind: replace(_PENS[kind], color="#4b2a7d")
-    for kind in (LineKind.PLAN, LineKind.UNDERMINED, LineKind.UNDERMINED_HATCH)
-}
+_VIOLET = {kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
+_VIOLET[LineKind.UNDERMINED_HATCH] = replace(_PENS[LineKind.UNDERMINED_HATCH], color="#a58fbd")
 _ON_SKIN = (
     LineKind.PLAN,
     LineKind.UNDERMINED,

@@ -12,6 +12,7 @@
 #include "force/materials/prestretch.h"
 #include "lattice/refused.h"
 #include "math/features.h"
+#include "session/bone_bodies.h"
 
 namespace lappet {
 
@@ -208,18 +209,14 @@ void check_bone_bodies(const SessionSettings& settings) {
   const auto& triangles = settings.bones.triangles;
   require(settings.bone_bodies.size() == triangles.size(), "{} triangles of bones are of a body; there are {}",
           settings.bone_bodies.size(), triangles.size());
-  std::map<std::int32_t, Surface> bodies;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const std::int32_t body = settings.bone_bodies[t];
+  for (const std::int32_t body : settings.bone_bodies)
     require(body >= 0 && body < kMaxBoneBodies, "a triangle of the bones is of body {}; give 0 to {}", body,
             kMaxBoneBodies - 1);
-    Surface& surface = bodies[body];
-    if (surface.points.empty()) surface.points = settings.bones.points;
-    surface.triangles.push_back(triangles[t]);
+  for (const Surface& body : bone_bodies(settings)) {
+    require(!body.triangles.empty(), "of the bodies of bones 0 to {} one has no triangles",
+            settings.moving_bones() - 1);
+    check_bones(body);
   }
-  require(std::ssize(bodies) == settings.moving_bones(), "of the bodies of bones 0 to {} only {} have triangles",
-          settings.moving_bones() - 1, bodies.size());
-  for (const auto& [body, surface] : bodies) check_bones(surface);
 }
 
 void check_rigid(const Eigen::Matrix4d& motion, const char* what, std::size_t index, double time) {

@@ -11,7 +11,6 @@
 
 #include "force/materials/material_models.h"
 #include "lattice/refused.h"
-#include "session/bones.h"
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
@@ -38,6 +37,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// While it lives the tissue passes through itself.
 template <class Real>
 class SelfContactSuspended {
  public:
@@ -101,8 +101,8 @@ class FrameSearch {
  private:
   void search() {
     walk(RetrySchedule(valid_ && moved_, settings_.max_newton, epoch_.system.self_contact() != nullptr,
-                       steps_of_bones(settings_, before_.bone_motions, frame_.bone_motions),
-                       steps_of_bones(settings_, {}, frame_.bone_motions)));
+                       epoch_.constraints.bone_way().steps(before_.bone_motions, frame_.bone_motions),
+                       epoch_.constraints.bone_way().steps({}, frame_.bone_motions)));
     settle_doubt();
     if (settings_.stability && found_.outcome.converged) leave_saddles();
   }

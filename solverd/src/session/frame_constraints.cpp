@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "session/bones.h"
-
 namespace lappet {
 
 namespace {
@@ -53,6 +51,7 @@ FrameConstraints<Real>::FrameConstraints(const SessionSettings& settings, const 
       walls_(walls),
       loaded_(loaded),
       system_(system),
+      bone_way_(settings),
       lowest_(surface.points.front()),
       highest_(lowest_) {
   for (const Vec3& point : surface.points) {
@@ -97,7 +96,7 @@ FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s, co
   result.activation = activation_of(frame);
   for (std::size_t m = 0; m < state.activation.size(); ++m)
     result.activation[m] = (1 - s) * state.activation[m] + s * result.activation[m];
-  result.bone_motions = bones_partway(settings_, state.bone_motions, frame.bone_motions, s);
+  result.bone_motions = bone_way_.at(state.bone_motions, frame.bone_motions, s);
   return result;
 }
 
@@ -184,7 +183,7 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
     PointConstraint closing =
         make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
     if (ends_between_walls(suture)) {
-      closing.walls_keep = system_.suspended_self_contact()->distance_of_walls();
+      closing.walls_keep = system_.self_contact_or_suspended()->distance_of_walls();
       closing.drawn = suture.closure == 1.0;
     }
     return closing;
@@ -209,7 +208,7 @@ std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const Sutu
 template <class Real>
 const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_between_walls(
     const SutureState& suture) const {
-  if (!system_.suspended_self_contact() || !suture.inner.empty()) return nullptr;
+  if (!system_.self_contact_or_suspended() || !suture.inner.empty()) return nullptr;
   auto known = ends_between_walls_.find(suture.index);
   if (known == ends_between_walls_.end())
     known = ends_between_walls_.emplace(suture.index, find_ends_between_walls(suture)).first;
@@ -237,7 +236,7 @@ std::optional<typename FrameConstraints<Real>::Ends> FrameConstraints<Real>::fin
   const Vec3 on_first = suture.a.point + nearest->first.depth * nearest->first.normal;
   const Vec3 on_second = suture.b.point + nearest->second.depth * nearest->second.normal;
   const double apart =
-      std::min(system_.suspended_self_contact()->distance_of_walls(), kShareOfRest * (on_first - on_second).norm());
+      std::min(system_.self_contact_or_suspended()->distance_of_walls(), kShareOfRest * (on_first - on_second).norm());
   const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
     const Vec3 beyond = (wall.depth + 0.5 * apart) * wall.normal;
     return stencil_maker().around(anchor.point, anchor.triangle, beyond);

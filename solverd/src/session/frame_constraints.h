@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lattice/anchor_stencil.h"
+#include "session/bone_bodies.h"
 #include "session/tissue_state.h"
 #include "solve/system/system.h"
 
@@ -44,6 +45,7 @@ class FrameConstraints {
   Vec3 where(const Anchor& anchor, std::span<const Real> u) const { return position<Real>(lattice_, embed(anchor), u); }
   // How much of what two anchors of a suture that follow each other hold is the same, 0 to 1, pair by pair.
   std::vector<double> shared(const SutureState& suture) const;
+  const BoneWay& bone_way() const { return bone_way_; }
   // Corners of the box around the surface at rest.
   const Vec3& lowest() const { return lowest_; }
   const Vec3& highest() const { return highest_; }
@@ -72,6 +74,7 @@ class FrameConstraints {
   const std::vector<std::uint8_t>& walls_;
   const LoadedFacesByIndex& loaded_;
   System<Real>& system_;
+  BoneWay bone_way_;
   Vec3 lowest_, highest_;
   mutable std::optional<AnchorStencils> stencil_maker_;
   mutable std::map<std::array<double, 4>, AnchorStencil> stencils_;         // by rest point and triangle

@@ -40,13 +40,5 @@ TEST(BoneDistance, OfAMovedBoneIsThatOfThePointMovedBack) {
   EXPECT_NEAR(moved.at({14.5, 2, 2}).value, 0.5, 1e-6);
 }
 
-TEST(BoneDistance, HalfwayBetweenTwoMotionsTurnsByHalfAboutAPointThatGoesStraight) {
-  const Vec3 center(1, 2, 3);
-  const Eigen::Matrix4d to = turned(0.8, center, {2, 0, -4});
-  const Eigen::Matrix4d half = between_motions(Eigen::Matrix4d::Identity(), to, 0.5, center);
-  EXPECT_LT((half - turned(0.4, center, {1, 0, -2})).norm(), 1e-12);
-  EXPECT_LT((between_motions(Eigen::Matrix4d::Identity(), to, 1.0, center) - to).norm(), 1e-12);
-}
-
 }  // namespace
 }  // namespace lappet

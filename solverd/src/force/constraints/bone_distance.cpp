@@ -1,6 +1,5 @@
 #include "force/constraints/bone_distance.h"
 
-#include <Eigen/Geometry>
 #include <utility>
 
 namespace lappet {
@@ -40,18 +39,6 @@ std::size_t BoneDistance::bytes() const {
   std::size_t sum = 0;
   for (const auto& bone : bones_) sum += bone->bytes();
   return sum;
-}
-
-Eigen::Matrix4d between_motions(const Eigen::Matrix4d& from, const Eigen::Matrix4d& to, double fraction,
-                                const Vec3& center) {
-  const Eigen::Quaterniond first(Eigen::Matrix3d(from.topLeftCorner<3, 3>()));
-  const Eigen::Quaterniond last(Eigen::Matrix3d(to.topLeftCorner<3, 3>()));
-  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-  result.topLeftCorner<3, 3>() = first.slerp(fraction, last).toRotationMatrix();
-  const Eigen::Vector4d place =
-      (1.0 - fraction) * (from * center.homogeneous()) + fraction * (to * center.homogeneous());
-  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * center;
-  return result;
 }
 
 }  // namespace lappet

@@ -34,9 +34,4 @@ class BoneDistance {
   std::vector<Placed> placed_;
 };
 
-// A fraction of the way between two rigid motions: `center`, a point at rest, moves straight and what is around it
-// turns.
-Eigen::Matrix4d between_motions(const Eigen::Matrix4d& from, const Eigen::Matrix4d& to, double fraction,
-                                const Vec3& center);
-
 }  // namespace lappet

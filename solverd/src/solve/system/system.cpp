@@ -10,6 +10,7 @@
 #include "lattice/node_field.h"
 #include "math/disjoint_sets.h"
 #include "math/parallel.h"
+#include "math/rigid_motion.h"
 #include "solve/system/vectors.h"
 
 namespace lappet {
@@ -307,15 +308,7 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
     now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + NodeField(u)[gripped[k]];
   }
   const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
-  const Vec3 center = rest.rowwise().mean();
-  const Eigen::Quaterniond from(Eigen::Matrix3d(present.topLeftCorner<3, 3>()));
-  const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
-  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-  result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
-  const Eigen::Vector4d place =
-      (1.0 - fraction) * (present * center.homogeneous()) + fraction * (motion * center.homogeneous());
-  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * center;
-  return result;
+  return between_motions(present, motion, fraction, rest.rowwise().mean());
 }
 
 template <class Real>

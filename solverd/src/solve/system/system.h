@@ -75,9 +75,9 @@ class System {
   const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
   // What the surface does to itself; null: it passes through itself. A restricted system has none.
   void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
-  // Null also while it is suspended: where nothing comes near anything, nothing is looked for.
+  // Null also while it is suspended, as in the search for a frame in which nothing may meet (session/find_frame.cpp).
   SelfContact* self_contact() const { return self_contact_suspended_ ? nullptr : self_contact_.get(); }
-  SelfContact* suspended_self_contact() const { return self_contact_.get(); }
+  SelfContact* self_contact_or_suspended() const { return self_contact_.get(); }
   void suspend_self_contact(bool suspend) { self_contact_suspended_ = suspend; }
   const std::vector<PointConstraint>& point_constraints() const { return point_constraints_; }
   const PointConstraint& point_constraint(const ConstraintId& id) const;
