@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from lappet.commands.plate_command import plate
+from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.planned_panels import plate_panels
@@ -100,7 +100,7 @@ def test_every_language_says_everything() -> None:
 def test_a_caption_without_its_panel_is_a_usage_error(given: str) -> None:
     from click.testing import CliRunner
 
-    result = CliRunner().invoke(plate, ["cache.usdc", "-o", "x.svg", "--caption", given])
+    result = CliRunner().invoke(cli, ["plate", "cache.usdc", "-o", "x.svg", "--caption", given])
     assert result.exit_code == 2
     assert given in result.output
 
