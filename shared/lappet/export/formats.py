@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import tempfile
 from pathlib import Path
 
 from lappet.core.problem import refused
@@ -186,5 +186,10 @@ def check_place(target: Path) -> None:
     folder = target.absolute().parent
     if not folder.is_dir():
         raise refused(ProblemCode.EXPORT_FOLDER, target, folder)
-    if (target.is_dir() and target.suffix) or not os.access(folder, os.W_OK):
+    if target.is_dir() and target.suffix:
         raise refused(ProblemCode.EXPORT_PLACE, target, folder)
+    try:
+        with tempfile.TemporaryFile(prefix=".lappet-", dir=folder):  # rights alone do not tell: /proc, a full disk
+            pass
+    except OSError as error:
+        raise refused(ProblemCode.EXPORT_PLACE, target, folder) from error

@@ -21,7 +21,7 @@ from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.drawing.surface_look import SKIN_LOOK, SurfaceLook
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.glb_container import VERTICES, GlbContainer
 from lappet.export.glb_meshopt import MESHOPT, meshopt
 from lappet.export.glb_quantized import EXTENSION, QuantizedShape, glb_error
@@ -62,7 +62,7 @@ def write_glb(request: ExportRequest) -> list[Path]:
     if packed:
         meshopt()
     cache = exported_cache(request.caches[0], request.limits)
-    frames = chosen_frames(cache, request.options.get("frames"))
+    frames = exported_frames(cache, request)
     try:
         shapes = skin_shapes(cache, frames)
         bed = bed_shape(cache, frames)

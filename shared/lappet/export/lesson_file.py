@@ -11,7 +11,7 @@ from lappet.core.version import version
 from lappet.drawing.quantity_scale import RAMP
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.lesson_arrays import LessonArrays
 from lappet.export.lesson_page import LessonBlock, lesson_page
 from lappet.export.lesson_procedure import LessonScene, lesson_procedure
@@ -99,9 +99,8 @@ def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list
     RefusedError
         If a cache cannot be shown.
     """
-    frames = request.options.get("frames")
     sources = [exported_cache(path, request.limits) for path in request.caches]
-    shown = [chosen_frames(source, None if frames is None else tuple(frames)) for source in sources]
+    shown = [exported_frames(source, request) for source in sources]
     names = [path.name.split(".")[0].replace("_", " ") for path in request.caches]
     try:
         scales = quantity_scales(list(zip(sources, shown, strict=True)))

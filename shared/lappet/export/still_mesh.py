@@ -15,7 +15,7 @@ from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.drawing.surface_look import SurfaceLook, face_looks
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.threemf_package import threemf_package
 from lappet.output.named_steps import operation_steps
 
@@ -122,10 +122,8 @@ def _joined(points: NDArray[np.float32]) -> NDArray[np.int64]:
 
 
 def _frames(cache: SkinCache, request: ExportRequest) -> tuple[float, ...]:
-    if request.options.get("every_frame"):
-        return cache.frames
-    if "frames" in request.options:
-        return chosen_frames(cache, tuple(request.options["frames"]))
+    if "frames" in request.options or request.options.get("every_frame"):
+        return exported_frames(cache, request)
     if "step" not in request.options:
         return cache.frames[-1:]
     wanted = str(request.options["step"]).strip()

@@ -19,7 +19,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache, note_missing_frames
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
 from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
@@ -62,10 +62,8 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     tolerance = float(options.get("tolerance_mm", TOLERANCE))
     most_bones = int(options.get("bones", MOST_BONES))
     cache = exported_cache(request.caches[0], request.limits)
-    frames = chosen_frames(cache, options.get("frames"))
+    frames = exported_frames(cache, request)
     _check_size(cache, frames)
-    if "frames" not in options:
-        note_missing_frames(cache, request.note)
     try:
         surfaces = skin_shapes(cache, frames)
         bed = bed_shape(cache, frames)
