@@ -17,6 +17,7 @@ from lappet.export.lesson_page import LessonBlock, lesson_page
 from lappet.export.lesson_procedure import LessonScene, lesson_procedure
 from lappet.export.lesson_skin import quantity_scales
 from lappet.export.lesson_words import lesson_words
+from lappet.export.simplified_cache import simplified
 from lappet.export.viewer_program import viewer_program
 
 FORMAT = 1
@@ -28,7 +29,7 @@ def write_lesson(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The caches, the file and the options `language`, `title` and `frames`.
+        The caches, the file and the options `language`, `title`, `frames` and `simplify`.
 
     Returns
     -------
@@ -85,7 +86,7 @@ def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list
     Parameters
     ----------
     request
-        The caches and the option `frames`.
+        The caches and the options `frames` and `simplify`.
     arrays
         Where their arrays go.
 
@@ -101,6 +102,7 @@ def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list
     """
     sources = [exported_cache(path, request.limits) for path in request.caches]
     shown = [exported_frames(source, request) for source in sources]
+    sources = [simplified(source, times, request) for source, times in zip(sources, shown, strict=True)]
     names = [path.name.split(".")[0].replace("_", " ") for path in request.caches]
     try:
         scales = quantity_scales(list(zip(sources, shown, strict=True)))

@@ -24,6 +24,7 @@ from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
 from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
 from lappet.export.play_times import play_times
+from lappet.export.simplified_cache import fitting_triangles, simplified
 from lappet.export.skeleton_error import SkeletonError, skeleton_error
 from lappet.export.skeleton_stage import TEXTURE, write_stage
 from lappet.export.skin_tile import write_skin_tile
@@ -44,7 +45,8 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames`, `tolerance_mm`, `bones`, `pause` and `instruments`.
+        The cache, the file and the options `frames`, `simplify`, `tolerance_mm`, `bones`, `pause` and
+        `instruments`.
 
     Returns
     -------
@@ -63,6 +65,7 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     most_bones = int(options.get("bones", MOST_BONES))
     cache = exported_cache(request.caches[0], request.limits)
     frames = exported_frames(cache, request)
+    cache = simplified(cache, frames, request)
     _check_size(cache, frames)
     try:
         surfaces = skin_shapes(cache, frames)
@@ -102,7 +105,8 @@ def _check_size(cache: SkinCache, frames: Sequence[float]) -> None:
     count = sum(len(np.unique(epoch.triangles)) for epoch in used)
     if count > MOST_VERTICES:
         times = (count / MOST_VERTICES) ** 0.5
-        raise refused(ProblemCode.EXPORT_AR_SIZE, cache.path, f"{count}", most=MOST_VERTICES, times=times)
+        fits = fitting_triangles(MOST_VERTICES / len(used))
+        raise refused(ProblemCode.EXPORT_AR_SIZE, cache.path, f"{count}", most=MOST_VERTICES, times=times, fits=fits)
 
 
 def _check_error(shapes: Sequence[SkinnedShape], tolerance: float, most_bones: int, target: Path) -> None:
