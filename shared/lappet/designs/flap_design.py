@@ -116,6 +116,12 @@ class Carry:
         Where the corner goes.
     lift
         Height of the way, as a share of the technique's: of two flaps that pass each other one goes over the other.
+    turn
+        Angle in degrees by which it turns about the pivot, counter-clockwise as seen from outside, to within half a
+        turn; None for the smaller angle.
+    holds
+        Height at which it ends and holds what it carries until the pedicle is divided, as a share of that of the way;
+        None where it lays it down and lets go.
     """
 
     name: str
@@ -123,6 +129,30 @@ class Carry:
     pivot: Point | None
     lay: Spot
     lift: float = 1.0
+    turn: float | None = None
+    holds: float | None = None
+
+
+@dataclass(frozen=True)
+class Division:
+    """The second stage of an interpolated flap: when it has healed in, its pedicle is cut off at both ends.
+
+    Parameters
+    ----------
+    cuts
+        Open curves in mm, from one side of the pedicle to the other.
+    seeds
+        Points in mm in what is discarded.
+    seams
+        The edges that are sewn together then.
+    corners
+        The corners that meet then.
+    """
+
+    cuts: tuple[tuple[Point, ...], ...]
+    seeds: tuple[Point, ...]
+    seams: tuple[Seam, ...]
+    corners: tuple[Corner, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -148,6 +178,10 @@ class FlapDesign:
         island flap does.
     blade
         Direction in which all of it is cut, shape (3,); None for square to the skin.
+    freed
+        Closed curves in mm inside which the skin is undermined; none for all that lies around the cuts.
+    division
+        The second stage; None for a flap that needs none.
     """
 
     excised: tuple[Excised, ...]
@@ -158,3 +192,5 @@ class FlapDesign:
     flaps: tuple[Point, ...] = ()
     undermined: float = 1.0
     blade: Point | None = None
+    freed: tuple[tuple[Point, ...], ...] = ()
+    division: Division | None = None

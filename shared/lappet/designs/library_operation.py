@@ -86,9 +86,12 @@ def schedule(design: FlapDesign, start: float = 1.0) -> Schedule:
     Returns
     -------
     Schedule
-        That of a flap; without hooks its sutures follow the undermining, and what is cut out late the first seams.
+        That of a flap; without hooks its sutures follow the undermining, and what is cut out late the first seams. A
+        second stage follows when all seams of the first are closed.
     """
-    if any(cut.late for cut in design.excised):
+    if design.division is not None:
+        usual = Schedule(end=60)
+    elif any(cut.late for cut in design.excised):
         usual = Schedule(donor_from=8, donor_to=16, trim=19, suture_from=20, suture_to=29, end=32)
     elif design.carries:
         usual = Schedule()
