@@ -109,8 +109,8 @@ def test_seams_use_every_cut_on_both_its_sides(name: str) -> None:
 def _left_open(name: str) -> float:
     """Length of edges that a design at its defaults leaves unsewn in its first stage, mm."""
     value = {parameter.name: parameter.default for parameter in library_design(name).parameters}
-    if name == "karapandzic":  # the mouth: all of the upper lip, and what is left of the lower one
-        return 2.0 * value["mouth"] - value["width"]
+    if name == "karapandzic":  # the defect's side along the mouth
+        return value["width"]
     if name == "paramedian-forehead":
         r, half = 0.5 * value["diameter"], 0.5 * value["width"]
         joined = 2.0 * r * np.arcsin(half / r)  # of the defect's rim, where the pedicle leaves the paddle

@@ -57,12 +57,15 @@ class Excised:
         A point in its middle in mm.
     late
         Whether it is cut out only after the seams whose names begin with "donor" are closed, as a dog-ear is.
+    open
+        Whether the side from the outline's last point to its first is not cut, as it lies on the border of an opening.
     """
 
     name: str
     outline: tuple[Point, ...]
     seed: Point
     late: bool = False
+    open: bool = False
 
 
 @dataclass(frozen=True)
@@ -182,6 +185,9 @@ class FlapDesign:
         Closed curves in mm inside which the skin is undermined; none for all that lies around the cuts.
     division
         The second stage; None for a flap that needs none.
+    opening
+        Points in mm, from end to end, of the slit of an opening, such as the mouth, that the cuts go round. Skin
+        without an opening is cut there; on skin that has one the design is laid around it, and none is left here.
     """
 
     excised: tuple[Excised, ...]
@@ -194,3 +200,4 @@ class FlapDesign:
     blade: Point | None = None
     freed: tuple[tuple[Point, ...], ...] = ()
     division: Division | None = None
+    opening: tuple[Point, ...] = ()

@@ -91,7 +91,7 @@ def flap_plan(
     letters, meetings = _letters([(each.flap.point, each.wound.point) for each in drawn.corners])
     return FlapPlan(
         tuple(_flat(each.outline) for each in drawn.excised),
-        tuple(_flat(each) for each in drawn.incisions),
+        tuple(_flat(each) for each in (*drawn.incisions, drawn.opening) if each),
         letters,
         meetings,
         tuple(_way(each.corner.point, each.pivot, each.lay.point, each.turn) for each in drawn.carries),

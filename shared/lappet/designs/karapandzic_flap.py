@@ -11,10 +11,13 @@ flap's, by half the defect; the difference is spread over the whole of it. Nothi
 becomes smaller by the defect.
 
 The flaps are freed and everything else stays on its bed. A sheet of skin has no mucosa, which a surgeon leaves whole:
-here the incisions go through the sheet.
+here the incisions go through the sheet. On skin with a mouth the design is laid around that
+(`lappet.designs.opening_drape`); elsewhere the slit is cut.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +31,8 @@ from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
 MOST_SHARE = 2.0 / 3.0  # of the lower lip that the flaps can replace
+BESIDE = 4.0  # mm of skin that is freed beyond the cuts
+ABOVE = 1.0  # mm above the mouth: where what is freed ends between the flaps
 LIFT = 0.3  # of the height to which flaps are lifted: these slide round the mouth
 _NAME = "karapandzic"
 
@@ -98,26 +103,21 @@ def karapandzic_flap(
         beside = flip * (half + 2.0, -0.5 * height)
         sides.append(Seam(f"{name}_side", (plane.edge(cut, int(sign)), plane.edge(outer, -int(sign)))))
         stem.append(plane.edge_beside(segment(start, top), beside))
-        into = 0.7 * NICK * flip
-        incisions.append(plane.points(np.vstack([start + (-1.0, 1.0) * into, cut])))
-        incisions.append(plane.points(np.vstack([top - into, segment(top, flip * (corner, 0.0))])))
+        incisions.append(plane.points(np.vstack([start + 0.7 * NICK * np.array([-sign, 1.0]), cut])))
         spot = plane.spot(start, beside)
         corners.append(Corner(name, spot, plane.spot(foot, foot + np.array([0.3 * sign, -1.0]))))
         carries.append(Carry(name, spot, None, Spot(plane.point(foot), plane.point((1.0 * sign, -0.5 * height))), LIFT))
+    defect = polyline((-half, 0.0), (-half, -height), (half, -height), (half, 0.0))
     return FlapDesign(
-        (plane.excised("defect", _rectangle(half, height), np.array([0.0, -0.5 * height])),),
+        (replace(plane.excised("defect", defect, np.array([0.0, -0.5 * height])), open=True),),
         tuple(incisions),
         (Seam("stem", (stem[0], stem[1])), *sides),
         tuple(corners),
         tuple(carries),
         tuple(flaps),
-        undermined=0.3,
+        freed=(plane.outline(_freed(corner, height, alar)),),
+        opening=plane.points(segment((-corner, 0.0), (corner, 0.0))),
     )
-
-
-def _rectangle(half: float, height: float) -> NDArray[np.float64]:
-    corners = (-half, -height), (half, -height), (half, 0.0), (-half, 0.0)
-    return polyline(*corners, corners[0])[:-1]
 
 
 def _around(half: float, corner: float, height: float, alar: float) -> NDArray[np.float64]:
@@ -126,6 +126,14 @@ def _around(half: float, corner: float, height: float, alar: float) -> NDArray[n
     about = arc((corner, 0.0), height, -90.0, 90.0)
     above = segment((corner, height), (alar, height))
     return np.vstack([below[:-1], about, above[1:]])
+
+
+def _freed(corner: float, height: float, alar: float) -> NDArray[np.float64]:
+    """What is freed, counter-clockwise: the flaps with the skin beside their cuts, not the upper lip between them."""
+    right = _around(0.0, corner, height + BESIDE, alar)
+    inner = polyline(right[-1], (alar, ABOVE), (0.0, ABOVE))
+    left = np.vstack([right, inner[1:]])[1:-1] * np.array([-1.0, 1.0])
+    return np.vstack([right, inner[1:], left[::-1]])
 
 
 _SITE = "lipreconstruction.com, on the Karapandzic flap, quoting him"

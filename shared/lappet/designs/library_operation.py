@@ -186,11 +186,11 @@ def flap_events(tissue: Tissue, laid: LaidFlap) -> tuple[tuple[Event, ...], floa
 def _kept_inside(
     tissue: Tissue, skin: SkinSheet, design: FlapDesign, how: Technique, events: tuple[Event, ...]
 ) -> tuple[Event, ...]:
-    """The events with undermining that keeps away from where the skin ends."""
+    """The events with undermining around all cuts that keeps away from where the skin ends."""
     border = SkinBorder(tissue)
 
     def kept(event: Event) -> Event:
-        if not isinstance(event, Undermine) or not reaches_border(border, event.points):
+        if not isinstance(event, Undermine) or design.freed or not reaches_border(border, event.points):
             return event
         curves = [*(cut.outline for cut in design.excised), *design.incisions]
         return replace(event, points=contour_around(border, skin, curves, how.beyond) or event.points)

@@ -92,16 +92,8 @@ def paramedian_forehead_flap(
         If a length is not positive, the paddle is hardly wider than the pedicle, the defect reaches the pivot, or the
         stump the paddle.
     """
-    lengths = {"diameter": diameter, "distance": distance, "width": width, "stump": stump}
-    require_lengths(_NAME, **lengths)
     r, half, long = 0.5 * diameter, 0.5 * width, distance + spare
-    if diameter < WIDER * width:
-        _refuse("diameter", diameter, f"at least {WIDER * width:.3g} mm, more than the pedicle's width")
-    if distance < r + width:
-        _refuse("distance", distance, f"at least {r + width:.3g} mm, or the defect reaches the pivot")
-    neck = long - float(np.sqrt(r**2 - half**2))
-    if stump > 0.5 * neck:
-        _refuse("stump", stump, f"at most {0.5 * neck:.3g} mm, half of the pedicle")
+    neck = _require_fit(diameter, distance, width, spare, stump)
     middle = np.array([-distance, 0.0])
     plane = DesignPlane.at(center, skin_axes(direction, normal, _NAME), mirrored, project)
     flap = _Flap(np.radians(180.0 - turn), long, r, half, neck)
@@ -141,6 +133,20 @@ def paramedian_forehead_flap(
         ),
         division=_division(plane, flap, middle, stump),
     )
+
+
+def _require_fit(diameter: float, distance: float, width: float, spare: float, stump: float) -> float:
+    """How long the pedicle is in mm; refuse measures that contradict each other."""
+    require_lengths(_NAME, diameter=diameter, distance=distance, width=width, stump=stump)
+    r = 0.5 * diameter
+    if diameter < WIDER * width:
+        _refuse("diameter", diameter, f"at least {WIDER * width:.3g} mm, more than the pedicle's width")
+    if distance < r + width:
+        _refuse("distance", distance, f"at least {r + width:.3g} mm, or the defect reaches the pivot")
+    neck = distance + spare - float(np.sqrt(r**2 - 0.25 * width**2))
+    if stump > 0.5 * neck:
+        _refuse("stump", stump, f"at most {0.5 * neck:.3g} mm, half of the pedicle")
+    return neck
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,11 +56,12 @@ def flap_operation(
                 when.trim - 1.0 if cut.late else when.incise,
                 cut.outline,
                 kerf=how.kerf,
-                closed=True,
+                closed=not cut.open,
                 direction=design.blade,
             )
             for cut in design.excised
         ),
+        *([Incision("opening", when.incise, design.opening, kerf=how.kerf)] if design.opening else []),
         *(
             Incision(
                 _numbered("limbs", k, len(design.incisions)),
