@@ -15,7 +15,8 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
 venv="$root/.venv"
 build="$root/build"
-installers=(pip setuptools wheel)
+# What must be there before the rest: pip itself, and what the sources of the lock's packages without a wheel build with.
+installers=(pip setuptools wheel numpy)
 
 say() { printf 'setup: %s\n' "$*"; }
 refuse() {
@@ -107,12 +108,12 @@ install_python() {
     fi
     say "installing the Python packages into .venv (the first time 600 MB, most of it Blender's module)"
     # Exactly the files of the lock, by their hashes: pip resolves nothing, and what it builds from sources (what has
-    # no wheel) it builds with the locked setuptools.
+    # no wheel) it builds with the locked installers.
     local pip=("$venv/bin/python" -m pip --disable-pip-version-check --no-input)
     local install=("${pip[@]}" install --no-deps --no-build-isolation --progress-bar off --requirement)
     "$venv/bin/python" packaging/locked.py "${installers[@]}" >"$venv/lappet-installers.txt"
     "${install[@]}" "$venv/lappet-installers.txt" | without_chatter ||
-        refuse "pip could not install pip, setuptools and wheel; see its message above."
+        refuse "pip could not install ${installers[*]}; see its message above."
     "${install[@]}" packaging/lock.txt | without_chatter ||
         refuse "pip could not install the Python packages; see its message above."
     # Editable, without the daemon: that one is built below, where a change of a source file rebuilds it.

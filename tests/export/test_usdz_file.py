@@ -242,20 +242,6 @@ def test_a_skin_too_large_is_refused_before_any_bone_with_the_spacing_that_would
     assert f"{(count / 500) ** 0.5:.1f} times" in problem.remedy
 
 
-def test_frames_missing_in_the_middle_are_told_before_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(synthetic, "FRAMES", (1, 2, 3, 4, 8, 9))
-    holed = synthetic.write_cache(tmp_path, step=8.0)
-    told: list[Problem] = []
-    monkeypatch.setattr(usdz_file, "skin_shapes", stop)
-    with pytest.raises(InterruptedError):
-        export(ExportRequest((holed,), tmp_path / "skin.usdz", note=told.append))
-    assert [(each.code, each.value) for each in told] == [(ProblemCode.EXPORT_FRAMES_MISSING, "5 to 7")]
-
-
-def stop(*_: object) -> None:
-    raise InterruptedError
-
-
 def test_a_cache_without_its_procedure_is_refused(tmp_path: Path) -> None:
     cache = synthetic.write_cache(tmp_path, step=8.0)
     (tmp_path / "procedure.usda").unlink()

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lappet.commands.parameters import FILE, FrameList
+from lappet.commands.parameters import FILE, FrameList, Simplification
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.core.problem import Problem
@@ -24,6 +24,9 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--every-frame", is_flag=True, default=None, help="Write a mesh for every frame, numbered.")
 @click.option("--language", type=click.Choice(_LANGUAGES), help="Language a lesson opens in.  [default: en]")
 @click.option("--title", help="Title of a lesson.  [default: the name of the cache]")
+@click.option(
+    "--simplify", type=Simplification(), help="Leave triangles out: how many may stay, or how far it may be off."
+)
 @click.option("--quantized", is_flag=True, default=None, help="Write a smaller .glb, by whole numbers.")
 @click.option("--meshopt", is_flag=True, default=None, help="Write a much smaller .glb, compressed by meshopt.")
 @click.option(

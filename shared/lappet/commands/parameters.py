@@ -80,6 +80,38 @@ class FrameList(click.ParamType):
             self.fail(f"{value!r} is no list of frames; give time codes with commas between them.", param, ctx)
 
 
+class Simplification(click.ParamType):
+    """How far a skin is to be simplified: a number of triangles, or an error in mm: `20000` or `0.2mm`."""
+
+    name = "N|Xmm"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the target.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the target itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The `SimplifyTarget`.
+        """
+        from lappet.export.simplify_target import SimplifyTarget
+
+        if isinstance(value, SimplifyTarget):
+            return value
+        try:
+            return SimplifyTarget.of(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
 class PlaneNumbers(click.ParamType):
     """A plane: a point in mm and a normal, `X,Y,Z,NX,NY,NZ`."""
 

@@ -642,6 +642,8 @@ class ProblemCode(StrEnum):
     EXPORT_DRIFT_FOUND = auto()
     EXPORT_PICTURE = auto()
     EXPORT_NO_MESHOPT = auto()
+    EXPORT_SIMPLIFY = auto()
+    EXPORT_SIMPLIFIED = auto()
 
     # texts/lessons.toml
     LESSON_FILE = auto()

@@ -27,7 +27,7 @@ def write_by_blender(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the option `frames`.
+        The cache, the file and the options `frames` and `simplify`.
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import tempfile
 from pathlib import Path
 
 from lappet.core.problem import refused
@@ -58,18 +58,19 @@ def _usdz() -> ExportFunction:
     return write_usdz
 
 
-_STILL = frozenset({"frames", "step", "every_frame"})
+_STILL = frozenset({"frames", "step", "every_frame", "simplify"})
+_LESSON = frozenset({"language", "title", "frames", "simplify"})
 
 EXPORTERS: tuple[Exporter, ...] = (
     Exporter(
         ".html",
         "a lesson in one file, for a browser: it turns, plays and explains the operation without a network",
         _lesson,
-        options=frozenset({"language", "title", "frames"}),
+        options=_LESSON,
         most_caches=2,
     ),
     *(
-        Exporter(suffix, what, _package, options=frozenset({"language", "title", "frames"}), most_caches=2)
+        Exporter(suffix, what, _package, options=_LESSON, most_caches=2)
         for suffix, what in (
             (".zip", "the lesson as a package of SCORM 1.2, which reports the steps that were seen"),
             (".h5p", "the lesson as a package of H5P, which reports the steps that were seen"),
@@ -79,13 +80,13 @@ EXPORTERS: tuple[Exporter, ...] = (
         ".glb",
         "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
         _glb,
-        options=frozenset({"frames", "quantized", "meshopt"}),
+        options=frozenset({"frames", "simplify", "quantized", "meshopt"}),
     ),
     Exporter(
         ".usdz",
         "for augmented reality: every frame by bones, at real size, with materials",
         _usdz,
-        options=frozenset({"frames", "tolerance_mm", "bones", "pause", "instruments"}),
+        options=frozenset({"frames", "simplify", "tolerance_mm", "bones", "pause", "instruments"}),
     ),
     *(
         Exporter(
@@ -101,8 +102,8 @@ EXPORTERS: tuple[Exporter, ...] = (
     Exporter(".ply", "the tissue's surface in one frame, with colors of its faces", _meshes, options=_STILL),
     Exporter(".3mf", "the tissue's surface in one frame, for printing in colors", _meshes, options=_STILL),
     Exporter(".csv", "forces, landmarks and lengths, a row for each frame", _table, options=frozenset({"frames"})),
-    Exporter(".abc", "Alembic, written by Blender", _by_blender, options=frozenset({"frames"})),
-    Exporter(".fbx", "FBX, written by Blender", _by_blender, options=frozenset({"frames"})),
+    Exporter(".abc", "Alembic, written by Blender", _by_blender, options=frozenset({"frames", "simplify"})),
+    Exporter(".fbx", "FBX, written by Blender", _by_blender, options=frozenset({"frames", "simplify"})),
 )
 
 
@@ -186,5 +187,10 @@ def check_place(target: Path) -> None:
     folder = target.absolute().parent
     if not folder.is_dir():
         raise refused(ProblemCode.EXPORT_FOLDER, target, folder)
-    if (target.is_dir() and target.suffix) or not os.access(folder, os.W_OK):
+    if target.is_dir() and target.suffix:
         raise refused(ProblemCode.EXPORT_PLACE, target, folder)
+    try:
+        with tempfile.TemporaryFile(prefix=".lappet-", dir=folder):  # rights alone do not tell: /proc, a full disk
+            pass
+    except OSError as error:
+        raise refused(ProblemCode.EXPORT_PLACE, target, folder) from error

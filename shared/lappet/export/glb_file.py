@@ -21,14 +21,16 @@ from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.drawing.surface_look import SKIN_LOOK, SurfaceLook
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.glb_container import VERTICES, GlbContainer
-from lappet.export.glb_meshopt import MESHOPT, meshopt
+from lappet.export.glb_meshopt import MESHOPT
 from lappet.export.glb_quantized import EXTENSION, QuantizedShape, glb_error
 from lappet.export.grid_tile import grid_tile
+from lappet.export.meshopt_package import meshopt
 from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
 from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
+from lappet.export.simplified_cache import simplified
 from lappet.output.named_steps import operation_steps
 
 STILL_MM = 0.002  # a vertex that a frame moves by less does not move
@@ -44,7 +46,7 @@ def write_glb(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames`, `quantized` and `meshopt`, which is quantized too.
+        The cache, the file and the options `frames`, `simplify`, `quantized` and `meshopt`, which is quantized too.
 
     Returns
     -------
@@ -62,7 +64,8 @@ def write_glb(request: ExportRequest) -> list[Path]:
     if packed:
         meshopt()
     cache = exported_cache(request.caches[0], request.limits)
-    frames = chosen_frames(cache, request.options.get("frames"))
+    frames = exported_frames(cache, request)
+    cache = simplified(cache, frames, request)
     try:
         shapes = skin_shapes(cache, frames)
         bed = bed_shape(cache, frames)

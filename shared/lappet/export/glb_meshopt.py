@@ -12,32 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from lappet.core.problem import refused
-from lappet.core.problem_code import ProblemCode
+from lappet.export.meshopt_package import meshopt
 
 MESHOPT = "EXT_meshopt_compression"
 INDICES = 34963
-
-
-def meshopt() -> Any:
-    """Load the encoder.
-
-    Returns
-    -------
-    Any
-        The module.
-
-    Raises
-    ------
-    RefusedError
-        If it is not installed.
-    """
-    try:
-        import meshoptimizer
-    except ImportError as error:
-        raise refused(ProblemCode.EXPORT_NO_MESHOPT, "--meshopt", "meshoptimizer") from error
-    meshoptimizer.encode_vertex_version(0)  # that of the extension
-    return meshoptimizer
 
 
 class CompressedViews:

@@ -55,7 +55,7 @@ def write_package(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The caches, the file and the options `language`, `title` and `frames`.
+        The caches, the file and the options `language`, `title`, `frames` and `simplify`.
 
     Returns
     -------

@@ -11,12 +11,13 @@ from lappet.core.version import version
 from lappet.drawing.quantity_scale import RAMP
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.lesson_arrays import LessonArrays
 from lappet.export.lesson_page import LessonBlock, lesson_page
 from lappet.export.lesson_procedure import LessonScene, lesson_procedure
 from lappet.export.lesson_skin import quantity_scales
 from lappet.export.lesson_words import lesson_words
+from lappet.export.simplified_cache import simplified
 from lappet.export.viewer_program import viewer_program
 
 FORMAT = 1
@@ -28,7 +29,7 @@ def write_lesson(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The caches, the file and the options `language`, `title` and `frames`.
+        The caches, the file and the options `language`, `title`, `frames` and `simplify`.
 
     Returns
     -------
@@ -85,7 +86,7 @@ def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list
     Parameters
     ----------
     request
-        The caches and the option `frames`.
+        The caches and the options `frames` and `simplify`.
     arrays
         Where their arrays go.
 
@@ -99,9 +100,9 @@ def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list
     RefusedError
         If a cache cannot be shown.
     """
-    frames = request.options.get("frames")
     sources = [exported_cache(path, request.limits) for path in request.caches]
-    shown = [chosen_frames(source, None if frames is None else tuple(frames)) for source in sources]
+    shown = [exported_frames(source, request) for source in sources]
+    sources = [simplified(source, times, request) for source, times in zip(sources, shown, strict=True)]
     names = [path.name.split(".")[0].replace("_", " ") for path in request.caches]
     try:
         scales = quantity_scales(list(zip(sources, shown, strict=True)))

@@ -15,7 +15,8 @@ from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.drawing.surface_look import SurfaceLook, face_looks
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
+from lappet.export.simplified_cache import simplified
 from lappet.export.threemf_package import threemf_package
 from lappet.output.named_steps import operation_steps
 
@@ -26,8 +27,8 @@ def write_meshes(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames`, `step` and `every_frame`. Files of several frames have the time
-        code before their suffix, such as `flap_0012.stl`.
+        The cache, the file and the options `frames`, `step`, `every_frame` and `simplify`. Files of several
+        frames have the time code before their suffix, such as `flap_0012.stl`.
 
     Returns
     -------
@@ -46,6 +47,7 @@ def write_meshes(request: ExportRequest) -> list[Path]:
         raise refused(ProblemCode.EXPORT_TWO_CHOICES, request.target, " and ".join(chosen))
     cache = exported_cache(request.caches[0], request.limits)
     frames = _frames(cache, request)
+    cache = simplified(cache, frames, request)
     target = request.target
     paths = []
     for time in frames:
@@ -122,10 +124,8 @@ def _joined(points: NDArray[np.float32]) -> NDArray[np.int64]:
 
 
 def _frames(cache: SkinCache, request: ExportRequest) -> tuple[float, ...]:
-    if request.options.get("every_frame"):
-        return cache.frames
-    if "frames" in request.options:
-        return chosen_frames(cache, tuple(request.options["frames"]))
+    if "frames" in request.options or request.options.get("every_frame"):
+        return exported_frames(cache, request)
     if "step" not in request.options:
         return cache.frames[-1:]
     wanted = str(request.options["step"]).strip()

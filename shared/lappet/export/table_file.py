@@ -12,7 +12,7 @@ import numpy as np
 from lappet.core.durable import write_whole
 from lappet.drawing.skin_read import SkinCache
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.usd.stage import pxr
 
 _SEAM = {
@@ -48,7 +48,7 @@ def write_table_file(request: ExportRequest) -> list[Path]:
         If the file cannot be written.
     """
     cache = exported_cache(request.caches[0], request.limits)
-    frames = chosen_frames(cache, request.options.get("frames"))
+    frames = exported_frames(cache, request)
     columns = _columns(cache, frames)
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")

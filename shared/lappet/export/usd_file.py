@@ -18,7 +18,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import exported_cache
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import grid_scale
 from lappet.export.moving_tubes import instrument_shapes
@@ -65,8 +65,9 @@ def write_usd(request: ExportRequest) -> list[Path]:
     cache = exported_cache(request.caches[0], request.limits)
     if request.target.resolve() == cache.path.resolve():
         raise refused(ProblemCode.EXPORT_ITSELF, request.target, cache.path)
+    frames = exported_frames(cache, request)
     try:
-        shapes = instrument_shapes(cache, cache.frames)
+        shapes = instrument_shapes(cache, frames)
         steps = [step.frame for step in operation_steps(cache)]
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error

@@ -19,11 +19,12 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.export.export_request import ExportRequest
-from lappet.export.exported_cache import chosen_frames, exported_cache, note_missing_frames
+from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
 from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
 from lappet.export.play_times import play_times
+from lappet.export.simplified_cache import fitting_triangles, simplified
 from lappet.export.skeleton_error import SkeletonError, skeleton_error
 from lappet.export.skeleton_stage import TEXTURE, write_stage
 from lappet.export.skin_tile import write_skin_tile
@@ -44,7 +45,8 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames`, `tolerance_mm`, `bones`, `pause` and `instruments`.
+        The cache, the file and the options `frames`, `simplify`, `tolerance_mm`, `bones`, `pause` and
+        `instruments`.
 
     Returns
     -------
@@ -62,10 +64,9 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     tolerance = float(options.get("tolerance_mm", TOLERANCE))
     most_bones = int(options.get("bones", MOST_BONES))
     cache = exported_cache(request.caches[0], request.limits)
-    frames = chosen_frames(cache, options.get("frames"))
+    frames = exported_frames(cache, request)
+    cache = simplified(cache, frames, request)
     _check_size(cache, frames)
-    if "frames" not in options:
-        note_missing_frames(cache, request.note)
     try:
         surfaces = skin_shapes(cache, frames)
         bed = bed_shape(cache, frames)
@@ -104,7 +105,8 @@ def _check_size(cache: SkinCache, frames: Sequence[float]) -> None:
     count = sum(len(np.unique(epoch.triangles)) for epoch in used)
     if count > MOST_VERTICES:
         times = (count / MOST_VERTICES) ** 0.5
-        raise refused(ProblemCode.EXPORT_AR_SIZE, cache.path, f"{count}", most=MOST_VERTICES, times=times)
+        fits = fitting_triangles(MOST_VERTICES / len(used))
+        raise refused(ProblemCode.EXPORT_AR_SIZE, cache.path, f"{count}", most=MOST_VERTICES, times=times, fits=fits)
 
 
 def _check_error(shapes: Sequence[SkinnedShape], tolerance: float, most_bones: int, target: Path) -> None:

@@ -10,7 +10,7 @@ from typing import cast
 import contourpy
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import binary_opening, distance_transform_edt, gaussian_filter
 from shapely import LineString
 
 from lappet.anatomy.tissue_kind import KINDS
@@ -145,12 +145,40 @@ def seen_pixels(
     shape = (len(y), len(x))
     pixels = SeenPixels(triangle.reshape(shape), depth.reshape(shape), kind.reshape(shape), x, y)
     if mapped is None:
-        return pixels
+        return without_cracks(pixels)
     quantity = np.full(len(places), np.nan)
     skin = np.flatnonzero(hit)[origin == FaceOrigin.SKIN]
     values = np.concatenate([mapped, np.full(len(surface.points) - len(mapped), np.nan)])
     quantity[skin] = _at_places(surface, values, projection, triangle[skin], places[skin])
-    return replace(pixels, quantity=quantity.reshape(shape))
+    return without_cracks(replace(pixels, quantity=quantity.reshape(shape)))
+
+
+def without_cracks(pixels: SeenPixels) -> SeenPixels:
+    """Close what lets one look between two meshes that meet at different vertices.
+
+    Parameters
+    ----------
+    pixels
+        What is seen.
+
+    Returns
+    -------
+    SeenPixels
+        The same, but what is empty or hollow and narrower than three pixels shows what is seen beside it.
+    """
+    gap = (pixels.kind < 0) | (pixels.kind == _ORDER.index(AreaKind.HOLLOW))
+    wide = binary_opening(np.pad(gap, 3, mode="edge"), np.ones((3, 3)))[3:-3, 3:-3]
+    crack = gap & ~wide
+    if not crack.any() or gap.all():
+        return pixels
+    row, column = distance_transform_edt(gap, return_distances=False, return_indices=True)[:, crack]
+    mended = replace(pixels, triangle=pixels.triangle.copy(), depth=pixels.depth.copy(), kind=pixels.kind.copy())
+    if pixels.quantity is not None:
+        mended = replace(mended, quantity=pixels.quantity.copy())
+    for each in (mended.triangle, mended.depth, mended.kind, mended.quantity):
+        if each is not None:
+            each[crack] = each[row, column]
+    return mended
 
 
 def wall_kinds(below: NDArray[np.float64], column: NDArray[np.int64], layers: TissueLayers) -> NDArray[np.int64]:

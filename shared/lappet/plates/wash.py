@@ -9,10 +9,14 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter, zoom
 from lappet.drawing.quantity_scale import ramp_display
 from lappet.plates.filled_areas import PIXEL, AreaKind, corner_weights
 from lappet.plates.panel_drawing import PanelDrawing
+from lappet.plates.smooth_normals import smooth_normals
 
 _AMBIENT = 0.55
+_FACET = 1.2  # mm on paper: what is smaller on the surface throws no light of its own
+_SOFT = 2.0  # pixels by which light is blurred
 _HALO = 1.6  # mm on paper: how far from an edge its shadow reaches
 _SHADOW = 0.30  # of the light that a place deep in a wound loses
+_LIT = 90.0  # percent of the skin that is darker than its own color
 _DEEP = 4.0  # mm below what is around it at which it has lost nearly all of that
 
 
@@ -54,10 +58,10 @@ def wash(
     shade = np.ones(shape)
     shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(_facing(drawing, seen, light), 0.0, 1.0)
     beside = distance_transform_edt(~seen, return_distances=False, return_indices=True)
-    shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, 1.0)
+    shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, _SOFT)
     depth = pixels.depth[tuple(beside)] if seen.any() else np.zeros(shape)
     depth = depth - _slope(depth)  # what lies flat before the camera throws no shadow at the panel's border
-    around = gaussian_filter(depth, _HALO / PIXEL)
+    around = _blurred(depth, _HALO / PIXEL)
     shade = shade * (1.0 - _SHADOW * np.tanh(np.clip(depth - around, 0.0, None) / _DEEP * 2.0))
     palette = np.array([[int(fills[kind][k : k + 2], 16) for k in (1, 3, 5)] for kind in AreaKind], np.float64)
     color = np.full((*shape, 3), 255.0)
@@ -66,7 +70,7 @@ def wash(
     if mapped is not None:
         known = np.isfinite(mapped)
         color[known] = 255.0 * ramp_display(np.abs(mapped[known]) / full)
-    level = np.median(shade[pixels.kind == 0]) if (pixels.kind == 0).any() else 1.0
+    level = np.percentile(shade[pixels.kind == 0], _LIT) if (pixels.kind == 0).any() else 1.0
     picture = color * np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)[..., None]
     picture[~seen] = palette[0] if goes_on and mapped is None else 255.0
     hollow = pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW)
@@ -79,13 +83,20 @@ def wash(
 def _facing(drawing: PanelDrawing, seen: NDArray[np.bool_], light: NDArray[np.float64]) -> NDArray[np.float64]:
     """How much the surface faces the light at the pixels that show it, between the corners of its triangles, (k,)."""
     pixels, surface = drawing.pixels, drawing.surface
-    corners = np.einsum("mki,i->mk", surface.normals, light)
+    corners = np.einsum("mki,i->mk", smooth_normals(surface, _FACET / drawing.projection.scale), light)
     triangle = pixels.triangle[seen]
     places = np.stack(np.meshgrid(pixels.x, pixels.y), axis=-1)[seen]
     weights = np.clip(corner_weights(surface, drawing.projection, triangle, places), 0.0, 1.0)
     weights /= weights.sum(axis=1, keepdims=True)
     facing: NDArray[np.float64] = (weights * corners[triangle]).sum(axis=1)
     return facing
+
+
+def _blurred(values: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
+    """Values by a Gaussian of `sigma` pixels; beyond the border they go on as they come to it, (h, w)."""
+    beyond = int(np.ceil(4.0 * sigma))
+    wide = gaussian_filter(np.pad(values, beyond, mode="reflect", reflect_type="odd"), sigma)
+    return np.asarray(wide[beyond:-beyond, beyond:-beyond])
 
 
 def _slope(depth: NDArray[np.float64]) -> NDArray[np.float64]:
