@@ -162,8 +162,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.lappet_wheel is None and given.platform != lappet_wheel.this_platform():
             raise ValueError(
-                f"The daemon for {given.platform} cannot be compiled here ({lappet_wheel.this_platform()}); build "
-                f"Lappet's wheel there and name it with --lappet-wheel."
+                f"The daemon for {given.platform} is not compiled by this command; make Lappet's wheel with "
+                f"packaging/cross/build.sh and packaging/cross_wheel.py, and name it with --lappet-wheel."
             )
         lappet = given.lappet_wheel or lappet_wheel.portable(lappet_wheel.built())
         made = assemble(given.platform, lappet, given.output, others=bundled(given.platform, CACHE))

@@ -56,7 +56,7 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   nostril is missing. Heights and widths are chosen after plates, not measured, and the face is an adult's unless
   `--age` says otherwise. The free lip has no bed. The landmarks and lines of a repair are `cleft_peak_medial`,
   `cleft_peak_lateral`, `cleft_apex`, `columella_base_cleft`, `cleft_red_medial`, `cleft_red_lateral` and
-  `alar_crease_cleft`; no design of the library repairs it yet.
+  `alar_crease_cleft`; the design that repairs it is [`millard`](flaps/millard.md).
 - **Shape**: age, sex and weight mix the package's own targets as MakeHuman does, all other targets are added in the
   amounts that `--target` gives. A model holds the same skin whatever the shape.
 

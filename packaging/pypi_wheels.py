@@ -24,8 +24,8 @@ PYTHONS = ("3.11", "3.13", "3.14")
 PLATFORMS = {
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
     "linux-arm64": ("manylinux_2_28_aarch64", "manylinux_2_17_aarch64", "manylinux2014_aarch64"),
-    "macos-arm64": ("macosx_14_0_arm64",),
-    "macos-x64": ("macosx_14_0_x86_64",),
+    "macos-arm64": ("macosx_12_0_arm64",),
+    "macos-x64": ("macosx_12_0_x86_64",),
     "windows-x64": ("win_amd64",),
 }
 

@@ -52,13 +52,14 @@ LICENSES = {
     "libxsimd-dev": "BSD-3-Clause",
     "libzmq": "MPL-2.0",
     "libzmq3-dev": "LGPL-3.0-or-later",
-    # Of the daemon for Windows:
+    # Of the daemons that packaging/cross compiles:
     "gcc-mingw-w64-x86-64-posix": "GPL-3.0-or-later WITH GCC-exception-3.1",
     "mingw-w64-x86-64-dev": "ZPL-2.1 AND MIT",
     "onetbb": "Apache-2.0",
     "scipy-openblas32": "BSD-3-Clause AND GPL-3.0-or-later WITH GCC-exception-3.1",
     "suitesparse": "LGPL-2.1-or-later AND GPL-2.0-or-later AND BSD-3-Clause",
     "zeromq3": "LGPL-3.0-or-later",
+    "ziglang": "MIT AND Apache-2.0 WITH LLVM-exception AND LGPL-2.1-or-later",
     # Of npm, in the program of lessons:
     "three": "MIT",
     # A wheel whose metadata has no expression:

@@ -65,6 +65,13 @@ OPERATIONS = {
         (-1.0, 0.0, -0.22),
         {"width": 7.0, "height": 1.1, "limb": 0.85, "burow": 0.0},
     ),
+    "lip_karapandzic": Operation(
+        "lips",
+        "karapandzic",
+        (0.0, 147.0, 661.0),
+        (-1.0, 0.0, 0.0),
+        {"width": 14.0, "height": 14.0, "mouth": 48.0, "alar": 13.0},
+    ),
     "limb_keystone": Operation(
         "limb", "keystone", (-132.1, 122.8, -130.5), (-0.1, 0.0, 1.0), {"length": 42.0, "width": 14.0}
     ),

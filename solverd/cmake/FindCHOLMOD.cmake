@@ -14,8 +14,8 @@ if(CHOLMOD_FOUND AND NOT TARGET CHOLMOD::CHOLMOD)
     PROPERTIES IMPORTED_LOCATION "${CHOLMOD_LIBRARY}"
                INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}"
                INTERFACE_LINK_LIBRARIES "${SUITESPARSECONFIG_LIBRARY}")
-  if(WIN32)  # a static library, which does not name its BLAS (packaging/windows/cross_build.sh)
-    find_library(CHOLMOD_BLAS_LIBRARY libscipy_openblas.dll.a REQUIRED)
+  if(LAPPET_TARGET)  # a static library, which does not name its BLAS (packaging/cross/build.sh)
+    find_library(CHOLMOD_BLAS_LIBRARY scipy_openblas REQUIRED)
     target_link_libraries(CHOLMOD::CHOLMOD INTERFACE "${CHOLMOD_BLAS_LIBRARY}")
   endif()
 endif()

@@ -13,7 +13,19 @@ from lappet.checks.suspicious_cuts import crossings
 from lappet.checks.validation import check
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Event, Excision, Hook, Incision, Material, Point, Procedure, Region, Suture, Tissue
+from lappet.procedure import (
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Material,
+    Point,
+    Procedure,
+    Region,
+    Suture,
+    Tissue,
+    Undermine,
+)
 from lappet.tissue.patch import flat_patch
 from lappet.usd.stage import read_procedure
 
@@ -74,6 +86,24 @@ def test_a_target_half_a_diagonal_away_is_told_and_a_nearer_one_is_not() -> None
     far = 0.5 * math.hypot(100.0, 80.0, TOP)
     assert check(patch(slit(), hook((0.0, 2.0, TOP + 0.99 * far)))) == []
     assert only(patch(slit(), hook((0.0, 2.0, TOP + 1.01 * far)))).code == ProblemCode.HOOK_TARGET_FAR
+
+
+def test_freed_skin_may_be_carried_twice_as_far_as_it_turns_about_its_base() -> None:
+    far = 0.5 * math.hypot(100.0, 80.0, TOP)
+    freed = Undermine("freed", 2.0, on_top((-20, -20), (20, -20), (20, 20), (-20, 20)))
+    assert check(patch(slit(), freed, hook((0.0, 2.0, TOP + 1.9 * far)))) == []
+    assert only(patch(slit(), freed, hook((0.0, 2.0, TOP + 2.1 * far)))).code == ProblemCode.HOOK_TARGET_FAR
+    early = hook((0.0, 2.0, TOP + 1.9 * far), start=1.0)
+    assert only(patch(slit(), freed, early)).code == ProblemCode.HOOK_TARGET_FAR
+
+
+def test_a_suture_of_what_a_hook_brings_together_is_not_too_long() -> None:
+    far = ((-45.0, 0.0, TOP), (45.0, 0.0, TOP))
+    suture = Suture("suture", far, start=8.0, duration=1.0)
+    assert only(patch(slit(), suture)).code == ProblemCode.SUTURE_LONG
+    carries = Hook("carries", (-44.0, 0.0, TOP), ((3.0, far[0]), (8.0, (0.0, 0.0, TOP))), 3.0, 9.0)
+    assert check(patch(slit(), carries, suture)) == []
+    assert only(patch(slit(), replace(carries, start=8.5), suture)).code == ProblemCode.SUTURE_LONG
 
 
 def test_an_incision_that_runs_50_mm_off_the_patch_is_told_with_where_it_ends() -> None:

@@ -103,7 +103,21 @@ def test_seams_use_every_cut_on_both_its_sides(name: str) -> None:
     rims = sum(length(np.array([*cut.outline, cut.outline[0]])) for cut in design.excised)
     lips = sum(2.0 * length(np.array(curve)) for curve in design.incisions)
     bases = sum(_base(design, cut.name) for cut in design.excised)
-    assert sewn == pytest.approx(rims + lips - 2.0 * bases, rel=0.03)
+    assert sewn == pytest.approx(rims + lips - 2.0 * bases - _left_open(name), rel=0.03)
+
+
+def _left_open(name: str) -> float:
+    """Length of edges that a design at its defaults leaves unsewn in its first stage, mm."""
+    value = {parameter.name: parameter.default for parameter in library_design(name).parameters}
+    if name == "karapandzic":  # the defect's side along the mouth
+        return value["width"]
+    if name == "paramedian-forehead":
+        r, half = 0.5 * value["diameter"], 0.5 * value["width"]
+        joined = 2.0 * r * np.arcsin(half / r)  # of the defect's rim, where the pedicle leaves the paddle
+        pedicle = value["distance"] + value["spare"] - np.sqrt(r**2 - half**2)
+        donor = 2.0 * np.pi * r - joined  # the paddle's place, which heals by itself
+        return float(joined + 2.0 * pedicle + 2.0 * value["stump"] + donor)
+    return 0.0
 
 
 def _base(design: FlapDesign, name: str) -> float:

@@ -27,6 +27,7 @@ NAMES = (
     "ala_nasolabial",
     "nose_dorsal",
     "lip_a_t",
+    "lip_karapandzic",
     "limb_keystone",
     "web_z_plasty",
     "neck_z_plasty",

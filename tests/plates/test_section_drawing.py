@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lappet.drawing.deep_bed import BED_GAP
 from lappet.drawing.framing import half_angles
 from lappet.drawing.section_plane import SectionPlane
 from lappet.drawing.skin_read import SkinCache
@@ -59,3 +60,18 @@ def test_areas_of_a_section_are_layers(scene: PlateScene, cache: SkinCache) -> N
     kinds = {tuple(AreaKind)[k] for k in np.unique(drawing.pixels.kind) if k >= 0}
     assert kinds <= {AreaKind.WALL_SKIN, AreaKind.WALL_FAT, AreaKind.WALL_DEEP}
     assert kinds
+
+
+def test_what_the_tissue_lies_on_is_a_band_below_it(scene: PlateScene, cache: SkinCache) -> None:
+    projection = section_projection(scene, ACROSS, SIZE)
+    cut = next(step.time for step in chosen_steps(cache) if cache.epoch_at(step.time).name != cache.epochs[0].name)
+    drawing = section_drawing(scene, ACROSS, projection, cut)
+    rings = [area.rings[0] for area in drawing.areas if area.kind is AreaKind.BED]
+    first = cache.epochs[0]
+    low = cache.rest(first)[np.unique(first.triangles)][:, 2].min()
+    top, bottom = min(ring[:, 1].min() for ring in rings), max(ring[:, 1].max() for ring in rings)
+    at = projection.paper(np.array([[0.0, 0.0, low - BED_GAP]]))[0][0, 1]
+    pixel = float(drawing.pixels.y[1] - drawing.pixels.y[0])
+    assert top == pytest.approx(at, abs=pixel)
+    assert bottom - top == pytest.approx(5.0, abs=2.0 * pixel)
+    assert np.ptp(np.concatenate(rings)[:, 0]) == pytest.approx(SIZE[0], abs=2.0 * pixel)  # under all of the picture

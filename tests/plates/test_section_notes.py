@@ -119,3 +119,13 @@ def test_a_section_has_a_scale_bar_of_its_own(cache: SkinCache) -> None:
     assert plan.bar > 0.0
     assert section.bar > 0.0
     assert section.drawing.projection.scale != pytest.approx(plan.drawing.projection.scale)
+
+
+def test_a_row_of_sections_alone_is_low_and_one_with_the_plan_is_not(cache: SkinCache) -> None:
+    steps = chosen_steps(cache)
+    steps = (steps[0], *[steps[-1]] * 3)
+    request = PlateRequest((PlateRow(cache, steps),), {}, section=(0.0, 0.0, 0.0, 1.0, 0.0, 0.0), columns=2)
+    panels = plate_page(request, plate_style("ink"), plate_words("en"), PlateFont()).panels
+    ratios = [panel.size[1] / panel.size[0] for panel in panels]
+    assert ratios == pytest.approx([0.75, 0.75, 0.45, 0.45])
+    assert panels[2].middle[1] - 0.5 * panels[2].size[1] > panels[1].middle[1] + 0.5 * panels[1].size[1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import platform
 import queue
 import secrets
 import shutil
@@ -33,6 +34,9 @@ BINARY = "lappet-solverd.exe" if os.name == "nt" else "lappet-solverd"
 _OF_ITS_OWN = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
+# On ARM: the kernels that OpenBLAS has for every such processor. Those that it would choose give other last digits on
+# each kind, and with those for SME (Apple's M4, ARMv9) a frame did not converge under qemu.
+_ARM_BLAS = {"OPENBLAS_CORETYPE": "ARMV8"}
 _HAS_BROKER = os.name == "posix"  # a daemon with keys has one
 _UNBOUNDED = Quotas(memory_gib=65536.0, sessions=64, seconds=1e6)  # the settings of its client count, as without keys
 
@@ -98,6 +102,23 @@ def daemon_identity(binary: Path | None = None) -> str:
     return _identity(binary, binary.stat().st_mtime_ns)
 
 
+def daemon_environment(machine: str | None = None) -> dict[str, str]:
+    """Gather the variables that a daemon is started with: this process's, and on ARM which kernels BLAS takes.
+
+    Parameters
+    ----------
+    machine
+        The processor as `platform.machine` names it; this one when None.
+
+    Returns
+    -------
+    dict[str, str]
+        What the environment says of `OPENBLAS_CORETYPE` stays.
+    """
+    arm = (machine or platform.machine()).lower() in ("aarch64", "arm64")
+    return {**(_ARM_BLAS if arm else {}), **os.environ}
+
+
 class SolverDaemon:
     """A daemon of our own: a context manager that starts it and ends it.
 
@@ -161,7 +182,7 @@ class SolverDaemon:
             self._remove_folder()
             raise DaemonMissing([file_problem(error)]) from error
         command = [str(binary), "--parent", str(os.getpid()), *place, *self._arguments]
-        environment = {name: value for name, value in os.environ.items() if name != "LAPPET_TOKEN"}
+        environment = {name: value for name, value in daemon_environment().items() if name != "LAPPET_TOKEN"}
         if self.keys is None:
             environment["LAPPET_TOKEN"] = self.token
         try:

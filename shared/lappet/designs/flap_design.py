@@ -57,12 +57,15 @@ class Excised:
         A point in its middle in mm.
     late
         Whether it is cut out only after the seams whose names begin with "donor" are closed, as a dog-ear is.
+    open
+        Whether the side from the outline's last point to its first is not cut, as it lies on the border of an opening.
     """
 
     name: str
     outline: tuple[Point, ...]
     seed: Point
     late: bool = False
+    open: bool = False
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,12 @@ class Carry:
         Where the corner goes.
     lift
         Height of the way, as a share of the technique's: of two flaps that pass each other one goes over the other.
+    turn
+        Angle in degrees by which it turns about the pivot, counter-clockwise as seen from outside, to within half a
+        turn; None for the smaller angle.
+    holds
+        Height at which it ends and holds what it carries until the pedicle is divided, as a share of that of the way;
+        None where it lays it down and lets go.
     """
 
     name: str
@@ -123,6 +132,30 @@ class Carry:
     pivot: Point | None
     lay: Spot
     lift: float = 1.0
+    turn: float | None = None
+    holds: float | None = None
+
+
+@dataclass(frozen=True)
+class Division:
+    """The second stage of an interpolated flap: when it has healed in, its pedicle is cut off at both ends.
+
+    Parameters
+    ----------
+    cuts
+        Open curves in mm, from one side of the pedicle to the other.
+    seeds
+        Points in mm in what is discarded.
+    seams
+        The edges that are sewn together then.
+    corners
+        The corners that meet then.
+    """
+
+    cuts: tuple[tuple[Point, ...], ...]
+    seeds: tuple[Point, ...]
+    seams: tuple[Seam, ...]
+    corners: tuple[Corner, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -148,6 +181,13 @@ class FlapDesign:
         island flap does.
     blade
         Direction in which all of it is cut, shape (3,); None for square to the skin.
+    freed
+        Closed curves in mm inside which the skin is undermined; none for all that lies around the cuts.
+    division
+        The second stage; None for a flap that needs none.
+    opening
+        Points in mm, from end to end, of the slit of an opening, such as the mouth, that the cuts go round. Skin
+        without an opening is cut there; on skin that has one the design is laid around it, and none is left here.
     """
 
     excised: tuple[Excised, ...]
@@ -158,3 +198,6 @@ class FlapDesign:
     flaps: tuple[Point, ...] = ()
     undermined: float = 1.0
     blade: Point | None = None
+    freed: tuple[tuple[Point, ...], ...] = ()
+    division: Division | None = None
+    opening: tuple[Point, ...] = ()

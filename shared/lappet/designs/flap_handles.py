@@ -206,15 +206,22 @@ def _drawn(row: LibraryDesign, values: Mapping[str, float], mirrored: bool) -> F
 def _features(drawn: FlapDesign) -> NDArray[np.float64]:
     """The points (n, 2) of a design in its plane that may be handles, as many whatever its lengths.
 
-    First the corners that meet, pivots and ends of cuts; then points at shares of the length of each cut.
+    First the corners that meet, pivots, ends of cuts and middles of later ones; then points at shares of the length of
+    each cut.
     """
     corners = [spot.point for pair in drawn.corners for spot in (pair.flap, pair.wound)]
     corners += [carry.pivot for carry in drawn.carries if carry.pivot is not None]
     corners += [end for curve in drawn.incisions for end in (curve[0], curve[-1])]
+    corners += [cut[len(cut) // 2] for cut in _later_cuts(drawn)]
     closed = [np.array([*cut.outline, cut.outline[0]])[:, :2] for cut in drawn.excised]
     cuts = [*closed, *(np.array(curve)[:, :2] for curve in drawn.incisions)]
     found = np.array(corners, np.float64).reshape(-1, 3)[:, :2]
     return np.vstack([found, *(_at_shares(cut) for cut in cuts)])
+
+
+def _later_cuts(drawn: FlapDesign) -> tuple[tuple[Point, ...], ...]:
+    """The cuts of a second stage."""
+    return () if drawn.division is None else drawn.division.cuts
 
 
 def _at_shares(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -228,6 +235,7 @@ def _corners_of_measures(row: LibraryDesign, values: Mapping[str, float], mirror
     here = _features(_drawn(row, values, mirrored))
     drawn = _drawn(row, values, mirrored)
     sharp = 2 * len(drawn.corners) + sum(each.pivot is not None for each in drawn.carries) + 2 * len(drawn.incisions)
+    sharp += len(_later_cuts(drawn))
     taken, found = [np.zeros(2)], dict[str, int]()
     for parameter in row.parameters:
         speed = None if parameter.whole else _speed(row, values, mirrored, parameter, here)

@@ -41,7 +41,7 @@ class FlapPlan:
     outlines
         What is excised, closed, each of shape (n, 2).
     incisions
-        The cuts, each of shape (n, 2).
+        The cuts, each of shape (n, 2); those of a second stage are not drawn.
     letters
         The corners, one letter for a place.
     meetings
@@ -91,10 +91,10 @@ def flap_plan(
     letters, meetings = _letters([(each.flap.point, each.wound.point) for each in drawn.corners])
     return FlapPlan(
         tuple(_flat(each.outline) for each in drawn.excised),
-        tuple(_flat(each) for each in drawn.incisions),
+        tuple(_flat(each) for each in (*drawn.incisions, drawn.opening) if each),
         letters,
         meetings,
-        tuple(_way(each.corner.point, each.pivot, each.lay.point) for each in drawn.carries),
+        tuple(_way(each.corner.point, each.pivot, each.lay.point, each.turn) for each in drawn.carries),
     )
 
 
@@ -118,15 +118,16 @@ def _letters(pairs: list[tuple[Point, Point]]) -> tuple[tuple[Letter, ...], tupl
     return tuple(letters), meetings
 
 
-def _way(start: Point, pivot: Point | None, end: Point) -> NDArray[np.float64]:
-    """From start to end: about the pivot by the smaller angle, with the radius that goes over, or straight."""
+def _way(start: Point, pivot: Point | None, end: Point, by: float | None) -> NDArray[np.float64]:
+    """From start to end: about the pivot by the smaller angle or the one near that in degrees, or straight."""
     first, last = np.array(start[:2]), np.array(end[:2])
     if pivot is None:
         return np.stack([first, last])
     center = np.array(pivot[:2])
     radii = [float(np.linalg.norm(each - center)) for each in (first, last)]
     angles = [float(np.arctan2(*(each - center)[::-1])) for each in (first, last)]
-    turn = (angles[1] - angles[0] + np.pi) % (2.0 * np.pi) - np.pi
+    middle = 0.0 if by is None else np.radians(by)
+    turn = (angles[1] - angles[0] - middle + np.pi) % (2.0 * np.pi) - np.pi + middle
     share = np.linspace(0.0, 1.0, 2 + int(abs(np.degrees(turn)) / _ARC_STEP))
     angle, radius = angles[0] + share * turn, radii[0] + share * (radii[1] - radii[0])
     return center + radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -95,24 +95,9 @@ class GeodesicDrape:
         """Drape points of the plane (k, 3) by walking."""
         offsets = self._in_plane(plane - self.middle)
         far = np.linalg.norm(offsets, axis=1)
-        here = np.tile(self.middle, (len(plane), 1))
-        normal = np.tile(self.normal, (len(plane), 1))
         along = offsets / np.maximum(far, 1e-300)[:, None]
-        left, walking = far.copy(), far > 1e-9
-        while walking.any():
-            k = np.flatnonzero(walking)
-            ahead = along[k] - np.einsum("ij,ij->i", along[k], normal[k])[:, None] * normal[k]
-            ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-300)[:, None]
-            step = np.minimum(STEP, left[k])
-            points, normals = self._skin.at(here[k] + step[:, None] * ahead)
-            gained = np.einsum("ij,ij->i", points - here[k], ahead)
-            stopped = gained < 0.5 * step  # the border is in the way
-            walking[k[stopped]] = False
-            on = k[~stopped]
-            along[on] = points[~stopped] - here[on]
-            here[on], normal[on] = points[~stopped], normals[~stopped]
-            left[on] -= step[~stopped]
-            walking[on] = left[on] > 1e-9
+        start = np.tile(self.middle, (len(plane), 1)), np.tile(self.normal, (len(plane), 1))
+        here, left = walked(self._skin, *start, along, far)
         self._note(here, left, far)
         return here
 
@@ -147,6 +132,52 @@ class GeodesicDrape:
         if left[k] > 1e-6 and (self._worst is None or left[k] > self._worst.missing):
             x, y, z = here[k]
             self._worst = Misfit((float(x), float(y), float(z)), float(left[k]), float(1.0 - left[k] / far[k]))
+
+
+def walked(
+    skin: SkinSheet,
+    start: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    along: NDArray[np.float64],
+    far: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Walk straight on along the skin, from several points at once.
+
+    Parameters
+    ----------
+    skin
+        The skin.
+    start
+        Where each walk starts, on the skin, in mm, shape (k, 3).
+    normals
+        Outwards from the skin there, shape (k, 3).
+    along
+        Unit vectors along the skin, shape (k, 3).
+    far
+        Length of each walk in mm, shape (k,).
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.float64]]
+        Where each ended in mm, shape (k, 3), and how much of it was left at the skin's border in mm, shape (k,).
+    """
+    here, normal, along = start.copy(), normals.copy(), along.copy()
+    left, walking = far.copy(), far > 1e-9
+    while walking.any():
+        k = np.flatnonzero(walking)
+        ahead = along[k] - np.einsum("ij,ij->i", along[k], normal[k])[:, None] * normal[k]
+        ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-300)[:, None]
+        step = np.minimum(STEP, left[k])
+        points, normals = skin.at(here[k] + step[:, None] * ahead)
+        gained = np.einsum("ij,ij->i", points - here[k], ahead)
+        stopped = gained < 0.5 * step  # the border is in the way
+        walking[k[stopped]] = False
+        on = k[~stopped]
+        along[on] = points[~stopped] - here[on]
+        here[on], normal[on] = points[~stopped], normals[~stopped]
+        left[on] -= step[~stopped]
+        walking[on] = left[on] > 1e-9
+    return here, left
 
 
 def draped_on(skin: SkinSheet, center: ArrayLike) -> GeodesicDrape:

@@ -14,13 +14,17 @@ from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.crossing_cuts import crossing_cuts
 from lappet.designs.flap_design import Edge, FlapDesign
+from lappet.designs.flat_curves import length
 from lappet.designs.geodesic_drape import GeodesicDrape, Misfit
 from lappet.designs.library import library_design
+from lappet.designs.opening_drape import OpeningDrape
 from lappet.designs.skin_holes import SkinHoles
 from lappet.procedure import Tissue
 from lappet.tissue.skin_sheet import SkinSheet
 
 _APART = 0.05  # mm: points of an edge that the skin brings nearer to each other are one
+_LEAST_OPENING = 0.5  # of the opening that a design goes round: how large a hole of the skin must be to be it
+_ALIKE = 0.9  # ratio of its length to the design's
 OFF_SKIN = 10.0  # mm from the skin: a place typed by hand, or the middle of an outline, is nearer
 
 
@@ -78,11 +82,17 @@ def flap_on_skin(
         on_skin = drape(np.array([crossing]))[0]
         where = f"{_place_text(on_skin)} mm"
         raise refused(ProblemCode.DESIGN_CROSSES, name, where, place=Place.at(on_skin))
+    holes = SkinHoles(tissue)
+    around = _opening_around(name, plane, skin, holes, drape.normal)
+    if around is not None:
+        design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=around, **given)
+        if around.misfit is not None:
+            _refuse_misfit(name, around.misfit, holes)
+        return replace(design, opening=())
     drape.prepare(np.vstack(asked))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
     if design.blade is not None:
         design = with_edges_on_skin(design, skin)
-    holes = SkinHoles(tissue)
     if drape.misfit is not None:
         _refuse_misfit(name, drape.misfit, holes)
     if holes:
@@ -94,6 +104,23 @@ def flap_on_skin(
                 ProblemCode.DESIGN_ACROSS_HOLE, name, size, place=Place.at(crossed.middle), at=where, share="less"
             )
     return design
+
+
+def _opening_around(
+    name: str, plane: FlapDesign, skin: SkinSheet, holes: SkinHoles, normal: NDArray[np.float64]
+) -> OpeningDrape | None:
+    """The drape around the opening that a design in its plane goes round; None where skin has none there."""
+    if not plane.opening:
+        return None
+    size = length(np.array(plane.opening))
+    border = holes.border_near(plane.excised[0].seed, size, _LEAST_OPENING * size)
+    if border is None:
+        return None
+    found = OpeningDrape(skin, border, plane.opening, normal)
+    if not _ALIKE < found.width / size < 1.0 / _ALIKE:
+        there = f"about {found.width:.3g} mm, as long as the border of the opening there"
+        raise refused(ProblemCode.DESIGN_RANGE, name, f"{size:.3g}", name="opening", range=there)
+    return found
 
 
 def with_edges_on_skin(design: FlapDesign, skin: SkinSheet) -> FlapDesign:

@@ -16,6 +16,7 @@ from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
 from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
 from lappet.designs.island_v_y import ISLAND_V_Y
+from lappet.designs.karapandzic_flap import KARAPANDZIC
 from lappet.designs.keystone_flap import KEYSTONE
 from lappet.designs.library_design import LibraryDesign
 from lappet.designs.multiple_rhombic_flaps import DOUBLE_RHOMBIC, TRIPLE_RHOMBIC
@@ -24,6 +25,7 @@ from lappet.designs.nasolabial_flap import NASOLABIAL
 from lappet.designs.note_flap import NOTE_FLAP
 from lappet.designs.o_t_plasty import O_T_PLASTY
 from lappet.designs.o_z_plasty import O_Z_PLASTY
+from lappet.designs.paramedian_forehead_flap import PARAMEDIAN_FOREHEAD
 from lappet.designs.rhombic_flap import DUFOURMENTEL, LIMBERG
 from lappet.designs.rotation_advancement import MILLARD
 from lappet.designs.rotation_flap import ROTATION
@@ -59,6 +61,7 @@ DESIGNS = {
         TRILOBED,
         NASOLABIAL,
         DORSAL_NASAL,
+        PARAMEDIAN_FOREHEAD,
         ROTATION,
         ROTATION_BACK_CUT,
         CERVICOFACIAL,
@@ -75,6 +78,7 @@ DESIGNS = {
         KEYSTONE,
         KEYSTONE_III,
         MILLARD,
+        KARAPANDZIC,
     )
 }
 

@@ -86,9 +86,12 @@ def schedule(design: FlapDesign, start: float = 1.0) -> Schedule:
     Returns
     -------
     Schedule
-        That of a flap; without hooks its sutures follow the undermining, and what is cut out late the first seams.
+        That of a flap; without hooks its sutures follow the undermining, and what is cut out late the first seams. A
+        second stage follows when all seams of the first are closed.
     """
-    if any(cut.late for cut in design.excised):
+    if design.division is not None:
+        usual = Schedule(end=60)
+    elif any(cut.late for cut in design.excised):
         usual = Schedule(donor_from=8, donor_to=16, trim=19, suture_from=20, suture_to=29, end=32)
     elif design.carries:
         usual = Schedule()
@@ -183,11 +186,11 @@ def flap_events(tissue: Tissue, laid: LaidFlap) -> tuple[tuple[Event, ...], floa
 def _kept_inside(
     tissue: Tissue, skin: SkinSheet, design: FlapDesign, how: Technique, events: tuple[Event, ...]
 ) -> tuple[Event, ...]:
-    """The events with undermining that keeps away from where the skin ends."""
+    """The events with undermining around all cuts that keeps away from where the skin ends."""
     border = SkinBorder(tissue)
 
     def kept(event: Event) -> Event:
-        if not isinstance(event, Undermine) or not reaches_border(border, event.points):
+        if not isinstance(event, Undermine) or design.freed or not reaches_border(border, event.points):
             return event
         curves = [*(cut.outline for cut in design.excised), *design.incisions]
         return replace(event, points=contour_around(border, skin, curves, how.beyond) or event.points)

@@ -82,6 +82,43 @@ class SkinHoles:
             return None
         return self._hole(min(near)[1])
 
+    def border_near(
+        self, place: Point, within: float, least: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Find the border of the nearest hole.
+
+        Parameters
+        ----------
+        place
+            A place in mm.
+        within
+            How far from it the border may be in mm.
+        least
+            How large the hole is in mm, at least.
+
+        Returns
+        -------
+        tuple[NDArray[np.float64], NDArray[np.float64]] | None
+            The border's points in order in mm, and vectors from them into the skin, each of shape (n, 3); None where no
+            such hole is so near.
+        """
+        near = [(self._distance(edges, place), k) for k, edges in self._edges.items() if self._hole(k).size >= least]
+        if not near or min(near)[0] > within:
+            return None
+        beside: dict[int, list[int]] = {}
+        for a, b in self._edges[min(near)[1]].tolist():
+            beside.setdefault(a, []).append(b)
+            beside.setdefault(b, []).append(a)
+        order = [next(iter(beside))]
+        while len(order) < len(beside):
+            ahead = [each for each in beside[order[-1]] if each not in order[-2:] and each != order[0]]
+            if not ahead:
+                return None  # it touches itself
+            order.append(ahead[0])
+        middles = self._points[self._triangles].mean(axis=1)
+        around = [middles[(self._triangles == vertex).any(axis=1)].mean(axis=0) for vertex in order]
+        return self._points[order], np.array(around) - self._points[order]
+
     def crossed(
         self, middle: NDArray[np.float64], points: NDArray[np.float64], away: NDArray[np.float64]
     ) -> Hole | None:

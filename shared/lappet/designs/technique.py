@@ -35,6 +35,12 @@ class Schedule:
         Last frame.
     trim
         The removal of what is cut out late; it is incised a frame before.
+    divide
+        The cuts of the second stage; the pedicle is taken out a frame later.
+    rejoin_from
+        The sutures of the second stage begin to draw together.
+    rejoin_to
+        All seams of the second stage are closed.
     """
 
     incise: float = 2
@@ -49,6 +55,9 @@ class Schedule:
     let_go: float = 35
     end: float = 40
     trim: float = 34
+    divide: float = 42
+    rejoin_from: float = 46
+    rejoin_to: float = 56
 
 
 @dataclass(frozen=True)

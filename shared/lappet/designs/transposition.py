@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.designs.flap_design import Carry, FlapDesign
+from lappet.designs.flap_design import Carry, Division, FlapDesign
 from lappet.designs.seam_sutures import beside_edge, edge_length, suture_runs, sutures
 from lappet.designs.technique import Schedule, Technique
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Undermine
@@ -17,6 +18,7 @@ Way = Callable[[float], NDArray[np.float64]]  # from a share of the way to a poi
 
 
 _USUAL_SCHEDULE, _USUAL_TECHNIQUE = Schedule(), Technique()
+_LAID = 0.03  # of its height: where a hook ends that lays a flap down
 
 
 def flap_operation(
@@ -54,11 +56,12 @@ def flap_operation(
                 when.trim - 1.0 if cut.late else when.incise,
                 cut.outline,
                 kerf=how.kerf,
-                closed=True,
+                closed=not cut.open,
                 direction=design.blade,
             )
             for cut in design.excised
         ),
+        *([Incision("opening", when.incise, design.opening, kerf=how.kerf)] if design.opening else []),
         *(
             Incision(
                 _numbered("limbs", k, len(design.incisions)),
@@ -70,11 +73,69 @@ def flap_operation(
             for k, curve in enumerate(design.incisions)
         ),
         *excisions(design, when),
-        *([Undermine("undermining", when.undermine, outline(design, skin, how.beyond))] if how.beyond > 0.0 else []),
+        *undermining(design, skin, when, how),
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *(suture_runs(design, when, how) if how.runs else sutures(design, skin, when, how)),
+        *([] if design.division is None else second_stage(design.division, skin, when, how)),
         *landmarks(design, skin, how),
     )
+
+
+def second_stage(division: Division, skin: SkinSheet, when: Schedule, how: Technique) -> list[Event]:
+    """Cut a pedicle off at both ends, take it out and sew what was joined to it.
+
+    Parameters
+    ----------
+    division
+        The second stage.
+    skin
+        The skin.
+    when
+        Time codes of the steps.
+    how
+        Distances and rows of sutures.
+
+    Returns
+    -------
+    list[Event]
+        Incisions, an excision, sutures or runs of them.
+    """
+    later = replace(when, donor_from=when.rejoin_from, donor_to=when.rejoin_to, suture_from=when.rejoin_from)
+    later = replace(later, suture_to=when.rejoin_to)
+    sewn = FlapDesign((), (), division.seams, division.corners)
+    return [
+        *(
+            Incision(_numbered("division", k, len(division.cuts)), when.divide, curve, kerf=how.kerf)
+            for k, curve in enumerate(division.cuts)
+        ),
+        Excision("pedicle", when.divide + 1.0, division.seeds),
+        *(suture_runs(sewn, later, how) if how.runs else sutures(sewn, skin, later, how)),
+    ]
+
+
+def undermining(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique) -> list[Undermine]:
+    """Free the skin around all cuts, or what a design says is freed.
+
+    Parameters
+    ----------
+    design
+        The design.
+    skin
+        The skin.
+    when
+        Time codes of the steps.
+    how
+        Distances.
+
+    Returns
+    -------
+    list[Undermine]
+        A line for each area; none where the skin stays on its bed.
+    """
+    if not how.beyond > 0.0:
+        return []
+    lines = design.freed or (outline(design, skin, how.beyond),)
+    return [Undermine(_numbered("undermining", k, len(lines)), when.undermine, line) for k, line in enumerate(lines)]
 
 
 def excisions(design: FlapDesign, when: Schedule) -> list[Excision]:
@@ -152,10 +213,11 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
     """
     anchor = np.array(skin.towards(carry.corner.point, carry.corner.towards, how.inside))
     lay = np.array(skin.towards(carry.lay.point, carry.lay.towards, how.inside))
-    over = _straight(anchor, lay) if carry.pivot is None else _turned(skin, anchor, lay, carry.pivot)
+    over = _straight(anchor, lay) if carry.pivot is None else _turned(skin, anchor, lay, carry.pivot, carry.turn)
     # On curved skin the pivot's plane misses the ends by a little, which is spread along the way.
     misses = anchor - skin.place(over(0.0))[0], lay - skin.place(over(1.0))[0]
     height = carry.lift * how.height
+    ends = _LAID if carry.holds is None else carry.holds
     targets = []
     # Up, over, down: shares of the time, of the turn and of the height.
     for time, turned, lifted in (
@@ -163,8 +225,8 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
         (0.2, 0.08, 0.7),
         (0.4, 0.35, 1.0),
         (0.6, 0.7, 1.0),
-        (0.8, 0.95, 0.6),
-        (1.0, 1.0, 0.03),
+        (0.8, 0.95, max(0.6, ends)),
+        (1.0, 1.0, ends),
     ):
         below = skin.place(over(turned))[0]
         on_skin, up = skin.at(below + (1.0 - turned) * misses[0] + turned * misses[1])
@@ -175,7 +237,7 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
         skin.below(anchor, 0.0),
         tuple(targets),
         start=when.lift,
-        release=when.let_go,
+        release=when.let_go if carry.holds is None else when.divide,
         stiffness=how.stiffness,
     )
 
@@ -185,14 +247,18 @@ def _straight(start: NDArray[np.float64], end: NDArray[np.float64]) -> Way:
     return lambda share: start + share * (end - start)
 
 
-def _turned(skin: SkinSheet, start: NDArray[np.float64], end: NDArray[np.float64], about: Point) -> Way:
-    """The way from start to end about a pivot, in the plane of the skin there."""
+def _turned(
+    skin: SkinSheet, start: NDArray[np.float64], end: NDArray[np.float64], about: Point, by: float | None
+) -> Way:
+    """The way from start to end about a pivot, in the plane of the skin there, by the angle nearest to `by` degrees."""
     pivot, normal = (value[0] for value in skin.at(about))
     first = start - pivot
     first -= (first @ normal) * normal
     axes = np.stack([first / np.linalg.norm(first), np.cross(normal, first / np.linalg.norm(first))])
     begin, finish = (axes @ (point - pivot) for point in (start, end))
     turn = float(np.arctan2(finish[1], finish[0]))
+    if by is not None:
+        turn += 2.0 * np.pi * round((np.radians(by) - turn) / (2.0 * np.pi))
     sizes = np.linalg.norm(begin), np.linalg.norm(finish)
 
     def at(share: float) -> NDArray[np.float64]:

@@ -172,13 +172,13 @@ def without_cracks(pixels: SeenPixels) -> SeenPixels:
     if not crack.any() or gap.all():
         return pixels
     row, column = distance_transform_edt(gap, return_distances=False, return_indices=True)[:, crack]
-    mended = replace(pixels, triangle=pixels.triangle.copy(), depth=pixels.depth.copy(), kind=pixels.kind.copy())
+    closed = replace(pixels, triangle=pixels.triangle.copy(), depth=pixels.depth.copy(), kind=pixels.kind.copy())
     if pixels.quantity is not None:
-        mended = replace(mended, quantity=pixels.quantity.copy())
-    for each in (mended.triangle, mended.depth, mended.kind, mended.quantity):
+        closed = replace(closed, quantity=pixels.quantity.copy())
+    for each in (closed.triangle, closed.depth, closed.kind, closed.quantity):
         if each is not None:
             each[crack] = each[row, column]
-    return mended
+    return closed
 
 
 def wall_kinds(below: NDArray[np.float64], column: NDArray[np.int64], layers: TissueLayers) -> NDArray[np.int64]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ WIDEST = 1000.0  # mm
 MOST_PANELS = 26  # as many as there are letters
 GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
-_ASPECT = 0.75
+_ASPECT, _SECTION_ASPECT = 0.75, 0.45  # height of a panel over its width
 _WALLS = ("wall.fascia", "wall.muscle", "wall.cartilage")
 _LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values(), *_WALLS)
 
@@ -127,13 +127,22 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
     indent = font.width("M", style.caption_size) + 1.5
     lines = [tuple(font.wrapped(each, style.caption_size, width - indent)) for each in captions]
     counts = [max(len(each) for each in lines[k : k + columns]) for k in range(0, len(lines), columns)]
-    heights = [maker.size[1] + 1.5 + LINE * style.caption_size * count + GUTTER for count in counts]
+    # What is cut across is low: a row that shows nothing else is not as high.
+    rows = [range(k, min(k + columns, len(lines))) for k in range(0, len(lines), columns)]
+    low = replace(maker, size=(width, _SECTION_ASPECT * width))
+    makers = [low if all(maker.is_section(k) for k in row) else maker for row in rows]
+    heights = [
+        each.size[1] + 1.5 + LINE * style.caption_size * count + GUTTER
+        for each, count in zip(makers, counts, strict=True)
+    ]
     tops = np.concatenate([[0.0], np.cumsum(heights)])
     panels: list[PagePanel] = []
     told = ToldLabels()
     for k, caption in enumerate(lines):
+        own_maker = makers[k // columns]
         x = (k % columns) * (width + GUTTER) + 0.5 * width
-        panels += maker.panels(k, caption, np.array([x, float(tops[k // columns]) + 0.5 * maker.size[1]]), told)
+        middle = np.array([x, float(tops[k // columns]) + 0.5 * own_maker.size[1]])
+        panels += own_maker.panels(k, caption, middle, told)
     own = [panel for panel in panels if panel.line is None]
     alt = words("alt.plate", count=len(own))
     alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in own)

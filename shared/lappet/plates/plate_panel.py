@@ -197,6 +197,22 @@ class PanelMaker:
         )
         return [host, *(self._inset(row, each, place, host) for each, place in zip(insets, places, strict=False))]
 
+    def is_section(self, index: int) -> bool:
+        """Tell whether a panel shows a cross-section.
+
+        Parameters
+        ----------
+        index
+            Its index.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
+        row, k = self.request.panels[index]
+        return self._cut(self.request.rows[row].steps[k]) is not None
+
     def _measures(self, scene: PlateScene, step: PlateStep, drawing: PanelDrawing) -> list[Measure]:
         """The program's own measures of a panel: of the plan, and the depth of dissection in a section."""
         if self._cut(step) is not None:

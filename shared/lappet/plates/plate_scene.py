@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import SkinSource
 from lappet.drawing.suture_bites import bites_at, carried
 from lappet.drawing.suture_thread import SutureThread, buried_sutures
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.plates.feature_lines import FeatureLine, LineKind
 from lappet.plates.letter_anchors import Corner, cut_corners
@@ -97,6 +99,11 @@ class PlateScene:
         unit: NDArray[np.float64] = way / np.linalg.norm(way)
         return unit
 
+    @cached_property
+    def whole_skin(self) -> ClosestPoint:
+        """The uncut skin at rest."""
+        return _whole_skin(self.source)
+
     @property
     def goes_on(self) -> bool:
         """Whether skin is drawn where a cut-out of skin ends: where nothing else is shown around it."""
@@ -127,7 +134,7 @@ class PlateScene:
         Parameters
         ----------
         places
-            Places on the skin at rest in mm, shape (k, 3).
+            Places at rest in mm, shape (k, 3); what does not lie on the skin stands for what is closest of it.
         time
             Time code of the frame.
 
@@ -136,7 +143,12 @@ class PlateScene:
         NDArray[np.float64]
             Where they lie in mm, shape (k, 3); NaN where the tissue is gone.
         """
-        return followed(self.source, places, time)
+        return followed(self.source, self.whole_skin.query(places)[1], time)
+
+
+def _whole_skin(source: SkinSource) -> ClosestPoint:
+    epoch = source.epochs[0]
+    return ClosestPoint(source.rest(epoch), epoch.triangles[epoch.origin == FaceOrigin.SKIN])
 
 
 def followed(source: SkinSource, places: NDArray[np.float64], time: float) -> NDArray[np.float64]:
@@ -200,6 +212,7 @@ def plate_scene(source: SkinCache, times: Sequence[float], view: str, size: tupl
     seen = np.stack([right, np.cross(field.normal, right), field.normal])
     scale = field.stitch_scale
     scale_on_paper = 0.5 * size[0] / half_angles(size)[0] / camera.distance
+    skin = _whole_skin(source)
     corners = tuple(cut_corners(lines, field.normal, _CROWDED / scale_on_paper))
     return PlateScene(
         source,
@@ -212,7 +225,7 @@ def plate_scene(source: SkinCache, times: Sequence[float], view: str, size: tupl
         SutureThread(source, seen[0] + 0.6 * seen[1], scale, buried_sutures(source)),
         HookSteel(source, seen, field.center, scale),
         corners,
-        tuple(_kept(source, corner) for corner in corners),
+        tuple(_kept(source, skin, corner) for corner in corners),
         seen,
     )
 
@@ -239,8 +252,8 @@ def at_one_scale(scenes: Sequence[PlateScene]) -> list[PlateScene]:
     return moved
 
 
-def _kept(source: SkinSource, corner: Corner) -> int:
+def _kept(source: SkinSource, skin: ClosestPoint, corner: Corner) -> int:
     """The narrowest sector of a corner that is there at the end."""
-    places = np.array([corner.inset(_BESIDE, k) for k in range(len(corner.sectors))])
+    places = skin.query(np.array([corner.inset(_BESIDE, k) for k in range(len(corner.sectors))]))[1]
     there = np.isfinite(followed(source, places, source.frames[-1])).all(axis=1)
     return int(np.argmax(there))

@@ -34,6 +34,7 @@ class StepKind(StrEnum):
     PLACED = "placed"
     APPROXIMATED = "approximated"
     SUTURED = "sutured"
+    DIVIDED = "divided"
     RESULT = "result"
     FRAME = "frame"
 
@@ -81,7 +82,7 @@ def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateSt
     Returns
     -------
     list[PlateStep]
-        At most seven in order of time; panels that look the same are one.
+        At most nine in order of time; panels that look the same are one.
     """
     frames, events = source.frames, [e for e in source.events if e.kind != "Landmark"]
     cuts = [e for e in events if e.kind in _CUTS]
@@ -99,6 +100,7 @@ def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateSt
         before = [f for f in frames if last <= f < held]
         steps.append(PlateStep(before[-1] if before else last, _cut_kind(first)))
     steps += _pulled(source, normal, pulls, sutures)
+    steps += second_stage(frames, events)
     if sutures:
         steps.append(PlateStep(_at_or_after(frames, max(e.end for e in sutures)), StepKind.SUTURED))
     steps.append(PlateStep(frames[-1], StepKind.RESULT if events else StepKind.FRAME))
@@ -136,6 +138,37 @@ def _pulled(
     top = span[int(np.argmax(heights))]
     raised = StepKind.RAISED if any(e.kind == "Hook" for e in pulls) else StepKind.RETRACTED
     return [PlateStep(top, raised), *([PlateStep(span[-1], StepKind.PLACED)] if span[-1] > top else [])]
+
+
+def second_stage(frames: Sequence[float], events: Sequence[StepEvent]) -> list[PlateStep]:
+    """Choose the panels of a second stage, where a flap that was carried and sewn in is cut from its pedicle.
+
+    Parameters
+    ----------
+    frames
+        Time codes of the frames.
+    events
+        The events of the procedure.
+
+    Returns
+    -------
+    list[PlateStep]
+        The flap sewn in, and divided; none where no cut follows when all sutures begun before it are closed.
+    """
+    pulls = [e.start for e in events if e.kind in _PULLS]
+    sutures = [e for e in events if e.kind == "Suture"]
+    if not pulls or not sutures:
+        return []
+    sewn = min(e.start for e in sutures)
+    late = [e.start for e in events if e.kind in _CUTS and e.start > max(sewn, min(pulls))]
+    if not late or any(e.start < min(late) < e.end for e in sutures):
+        return []
+    before = [f for f in frames if sewn < f < min(late)]
+    rejoined = min((e.start for e in sutures if e.start >= min(late)), default=frames[-1])
+    last = _at_or_after(frames, max(late))
+    after = [f for f in frames if last <= f < rejoined]
+    steps = [PlateStep(before[-1], StepKind.SUTURED)] if before else []
+    return [*steps, PlateStep(after[-1] if after else last, StepKind.DIVIDED)]
 
 
 def _distinct(source: SkinSource, steps: Sequence[PlateStep]) -> list[PlateStep]:

@@ -1,4 +1,4 @@
-"""A cross-section of the tissue on a panel: its layers as areas, its outline, and the threads that lie near it.
+"""A cross-section of the tissue on a panel: its layers, its outline, what it lies on, and the threads near it.
 
 Where a place of the section was at rest follows from the outline by mean value coordinates, and its layer from how deep
 that is below the uncut skin.
@@ -6,6 +6,7 @@ that is below the uncut skin.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from shapely import contains_xy, polygonize
-from shapely.geometry import LineString
+from shapely.geometry import LineString, Polygon
 from shapely.ops import linemerge, unary_union
 
+from lappet.drawing.deep_bed import BED_GAP
 from lappet.drawing.framing import Viewpoint
 from lappet.drawing.mean_value import mean_values
 from lappet.drawing.section_plane import SectionPlane
@@ -23,7 +25,7 @@ from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.plates.drawn_surface import drawn_surface
 from lappet.plates.feature_lines import FeatureLine, LineKind
-from lappet.plates.filled_areas import AreaKind, SeenPixels, filled_areas, wall_kinds
+from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, wall_kinds
 from lappet.plates.panel_drawing import PanelDrawing, clipped
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.projection import Projection
@@ -34,6 +36,7 @@ _PIXEL = 0.24  # mm on paper
 _FAR = 1e5  # mm: seen from so far a section is drawn without perspective
 _ON_SKIN = 0.5  # mm
 _FILL = 0.8  # of a panel's width that the operation takes up
+_BED = 5.0  # mm on paper: so much of what lies below the tissue is drawn
 _LEAST_SPAN = 15.0  # mm: a section across one straight cut shows what lies about it
 _KINDS = tuple(AreaKind)
 
@@ -139,15 +142,17 @@ def section_drawing(
     points, rest = source.positions(epoch, time), source.rest(epoch)
     edges, was = plane.outline(points, epoch.triangles, rest)
     pixels = _with_bones(_layers(scene, projection, edges, was), scene, plane, projection)
+    bed = _bed(scene, plane, projection)
+    areas = tuple(filled_areas(_with_bed(pixels, bed)))
     strokes = [
         Stroke(LineKind.WALL_FOOT, ring)
-        for area in filled_areas(pixels)
-        if area.kind is not AreaKind.SKIN
+        for area in areas
+        if area.kind not in (AreaKind.SKIN, AreaKind.BED)
         for ring in area.rings
     ]
+    strokes += _bed_line(bed, filled_areas(pixels))
     strokes += section_strokes(scene, plane, projection, time, instruments)
     surface = drawn_surface(source, scene.bed, (), time)
-    areas = tuple(filled_areas(pixels))
     return PanelDrawing(projection, surface, pixels, areas, tuple(clipped(strokes, projection.size)), (), ())
 
 
@@ -188,6 +193,36 @@ def _with_bones(pixels: SeenPixels, scene: PlateScene, plane: SectionPlane, proj
         if solid:
             kind[contains_xy(unary_union(solid), places[:, 0], places[:, 1]) & (kind < 0)] = _KINDS.index(AreaKind.BONE)
     return replace(pixels, kind=kind.reshape(pixels.kind.shape))
+
+
+def _bed(scene: PlateScene, plane: SectionPlane, projection: Projection) -> list[LineString]:
+    """Where a section meets what the tissue lay on, on paper, from left to right."""
+    first = scene.source.epochs[0]
+    rest = scene.source.rest(first).astype(np.float64)
+    edges, _ = plane.outline(rest, first.triangles[first.origin == FaceOrigin.UNDERSIDE], rest)
+    if not len(edges):
+        return []
+    flat = projection.paper(edges.reshape(-1, 3))[0].reshape(-1, 2, 2) + np.array([0.0, BED_GAP * projection.scale])
+    joined = linemerge([LineString(edge) for edge in np.round(flat, 6)])
+    lines = [line for line in getattr(joined, "geoms", [joined]) if line.length > 0.0]
+    return [line if line.coords[0][0] <= line.coords[-1][0] else line.reverse() for line in lines]
+
+
+def _with_bed(pixels: SeenPixels, bed: Sequence[LineString]) -> SeenPixels:
+    """The same with a band of what lies below the tissue."""
+    if not bed:
+        return pixels
+    # y runs downwards, so what is below a line from left to right is on its left.
+    below = unary_union([line.buffer(_BED, single_sided=True) for line in bed])
+    inside = contains_xy(below, *np.meshgrid(pixels.x, pixels.y))
+    return replace(pixels, kind=np.where((pixels.kind < 0) & inside, _KINDS.index(AreaKind.BED), pixels.kind))
+
+
+def _bed_line(bed: Sequence[LineString], tissue: Sequence[Area]) -> list[Stroke]:
+    """The surface of what lies below the tissue, where no tissue covers it."""
+    covered = unary_union([Polygon(area.rings[0]) for area in tissue if area.kind is AreaKind.SKIN])
+    bare = unary_union([line.difference(covered) for line in bed])
+    return [Stroke(LineKind.WALL_FOOT, np.array(part.coords)) for part in getattr(bare, "geoms", [bare]) if part.length]
 
 
 def _pieces(edges: NDArray[np.float64]) -> list[NDArray[np.bool_]]:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from shapely import LineString, MultiLineString, Polygon, unary_union
 
 from lappet.drawing.skin_marks import HELD
-from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.plates.feature_lines import FeatureLine, LineKind
 from lappet.plates.plate_scene import PlateScene, followed
 from lappet.plates.printed_marks import whole_parts
 
 _STEP = 0.8  # mm along a line
 _LIFT = 0.5  # mm
+_TRIES = 8  # at the height of a place of the skin
 _WAY = np.array([np.cos(np.radians(60.0)), np.sin(np.radians(60.0))])  # of the lines, as the picture is seen
 
 
@@ -67,15 +67,25 @@ def undermined_hatch(scene: PlateScene, time: float, spacing: float) -> list[Fea
     levels = np.arange(np.ceil(low / spacing), np.floor(high / spacing) + 1.0) * spacing
     rows = MultiLineString([LineString([level * across + end * _WAY for end in (near, far)]) for level in levels])
     inside = rows.intersection(area)
-    epoch = scene.source.epochs[0]
-    skin = ClosestPoint(scene.source.rest(epoch), epoch.triangles[epoch.origin == FaceOrigin.SKIN])
     height = float(np.mean(np.concatenate(outlines) @ scene.axes[2]))
     found = []
     for row in getattr(inside, "geoms", [inside]):
         if row.geom_type != "LineString" or row.length < _STEP:
             continue
         course = np.array(row.segmentize(_STEP).coords)
-        places = skin.query(course @ scene.axes[:2] + height * scene.axes[2])[1]
-        parts = whole_parts(followed(scene.source, places, time), 4.0 * _STEP)
+        parts = whole_parts(_followed(scene, course, height, time), 4.0 * _STEP)
         found += [FeatureLine(LineKind.UNDERMINED_HATCH, each.points, _LIFT) for each in parts]
     return found
+
+
+def _followed(scene: PlateScene, course: NDArray[np.float64], height: float, time: float) -> NDArray[np.float64]:
+    """Where the skin lies that is at rest over places (k, 2) of the plane along it, mm, (k, 3); NaN where none is."""
+    foot = course @ scene.axes[:2]
+    places = foot + height * scene.axes[2]
+    for _ in range(_TRIES):
+        places = scene.whole_skin.query(foot + (places @ scene.axes[2])[:, None] * scene.axes[2])[1]
+    over = np.linalg.norm(places @ scene.axes[:2].T - course, axis=1) < _STEP
+    result = np.full((len(course), 3), np.nan)
+    if over.any():
+        result[over] = followed(scene.source, places[over], time)
+    return result

@@ -44,7 +44,11 @@ void release_freed_memory() {
 #endif
 }
 
-void* loaded_function(const char* name) { return ::dlsym(RTLD_DEFAULT, name); }
+void* loaded_function(const char* name) {
+  if (void* const found = ::dlsym(RTLD_DEFAULT, name)) return found;
+  const std::string prefixed = std::string("scipy_") + name;  // as the BLAS of PyPI's wheels calls its own
+  return ::dlsym(RTLD_DEFAULT, prefixed.c_str());
+}
 
 std::string take_variable(const char* name) {
   const char* const value = std::getenv(name);

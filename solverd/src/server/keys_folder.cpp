@@ -120,7 +120,11 @@ void KeysFolder::read_users(bool strict) {
     struct stat found{};
     if (::fstatat(number, file.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // it went away meanwhile
     seen.insert(file);
+#ifdef __APPLE__
+    const Stamp stamp{found.st_ino, found.st_size, found.st_mtimespec, found.st_ctimespec};
+#else
     const Stamp stamp{found.st_ino, found.st_size, found.st_mtim, found.st_ctim};
+#endif
     const auto known = entries_.find(file);
     if (known != entries_.end() && known->second.stamp == stamp) continue;
     Entry now{stamp, std::nullopt};

@@ -33,9 +33,13 @@ lappet flap edit limberg flap.usda -o flap.usda --set side=14 --mirrored       #
 dermal, skin), and landmarks on both lips of every seam. In Blender it is *Add > Lappet > Flap*, or *Flap Library* in
 the timeline's panel. A design is laid on
 curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
-skin, it is refused with the place and the share that fits. With `--defect`, the name of a closed incision or of a
-landmark of three points or more, or *region:* and the name of a face subset of the tissue, the design lies where that
-is, as the smallest of its shape whose excision holds it, and its own excision takes the drawn one's place.
+skin, it is refused with the place and the share that fits. The Karapandzic flap goes round a mouth: on a model that has
+one it is laid at its distances from the lips' border, elsewhere the mouth is cut as a slit. A flap with a pedicle over
+skin (`paramedian-forehead`) has its second stage in the same timeline.
+
+With `--defect`, the name of a closed incision or of a landmark of three points or more, or *region:* and the name of a
+face subset of the tissue, the design lies where that is, as the smallest of its shape whose excision holds it, and its
+own excision takes the drawn one's place.
 
 The procedure remembers how its flaps were laid (a prim with `LappetFlapAPI` for each; `lappet inspect` lists them), so
 `lappet flap edit` and the handles in Blender can move, turn and change one later. Its events are then laid anew: what
