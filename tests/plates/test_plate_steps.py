@@ -9,6 +9,7 @@ FRAMES = [float(time) for time in range(1, 31)]
 FIRST = (
     StepEvent("Incision", "flap", 2.0, 2.0),
     StepEvent("Hook", "carries", 4.0, 14.0),
+    StepEvent("Hook", "holds", 4.0, 20.0),
     StepEvent("Suture", "inset", 10.0, 16.0),
 )
 DIVISION = (StepEvent("Incision", "division", 20.0, 20.0), StepEvent("Excision", "pedicle", 21.0, 21.0))
@@ -22,8 +23,8 @@ def test_a_cut_after_all_sutures_makes_a_panel_before_it_and_one_after_it() -> N
     assert [(step.time, step.kind) for step in steps] == [(19.0, StepKind.SUTURED), (29.0, StepKind.DIVIDED)]
 
 
-def test_a_cut_while_sutures_are_drawn_or_without_hooks_is_no_second_stage() -> None:
+def test_a_cut_while_sutures_are_drawn_or_where_no_hook_held_until_it_is_no_second_stage() -> None:
     drawn = StepEvent("Suture", "drawn", 18.0, 24.0)
     assert second_stage(FRAMES, (*FIRST, *DIVISION, drawn)) == []
     assert second_stage(FRAMES, FIRST) == []
-    assert second_stage(FRAMES, (FIRST[0], FIRST[2], *DIVISION)) == []
+    assert second_stage(FRAMES, (*FIRST[:2], FIRST[3], *DIVISION)) == []

@@ -13,6 +13,7 @@ from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape, Manifest
 from lappet.core.problem import RefusedError
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.drawing.second_stage import second_stage_from
 from lappet.drawing.skin_source import FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 from lappet.geometry.curve import sample_curve
 from lappet.procedure.events import Basis
@@ -55,7 +56,6 @@ class ManifestSource:
 
     def read_events(self, scene: bpy.types.Scene) -> None:
         """Take over what the scene says of its events now."""
-        self._curves = [_curve(e) for e in scene.lappet.events if e.enabled and e.kind in ("INCISION", "UNDERMINE")]
         self._anchors = {
             e.name: np.array([p.co for p in e.points], np.float32).reshape(-1, 3)
             for e in scene.lappet.events
@@ -67,6 +67,9 @@ class ManifestSource:
         stitches = Counter(name.partition("/")[0] for name in self.manifest.sutures)
         steps = (_step(e, stitches[e.name]) for e in scene.lappet.events if e.enabled)
         self._events = tuple(sorted(steps, key=lambda e: e.start))
+        late = second_stage_from(self._events)
+        cuts = [e for e in scene.lappet.events if e.enabled and e.kind in ("INCISION", "UNDERMINE")]
+        self._curves = [_curve(e) for e in cuts if e.start < late]
 
     def at(self, time: float, shape: EpochShape, frame: SolvedFrame | None) -> None:
         """From now on a time shows this epoch and frame, whatever the store holds (live frames, stand-ins)."""
@@ -219,7 +222,7 @@ class ManifestSource:
         return next((t for t in reversed(epoch.frames) if self.frame(t) is not None), None)
 
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
-        """The scene's incisions, sampled every `step` mm."""
+        """The scene's incisions but those of a second stage, sampled every `step` mm."""
         return self._lines("INCISION", step)
 
     def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:

@@ -155,4 +155,5 @@ KARAPANDZIC = LibraryDesign(
     "along the mouth, the upper lip to the left",
     "",
     "After M. Karapandzic, Br. J. Plast. Surg. 27 (1974) 93 (not read), as quoted on lipreconstruction.com.",
+    "The seam in the middle of the lip ends at the mouth, and most of what is measured as open is its slit.",
 )

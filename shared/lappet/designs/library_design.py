@@ -77,6 +77,8 @@ class LibraryDesign:
         How the direction lies to the lines of the skin where there is a rule: "along", "across", or "".
     sources
         Where the construction comes from.
+    remark
+        What is to be known of what is measured, in a sentence, or "".
     """
 
     name: str
@@ -88,6 +90,7 @@ class LibraryDesign:
     direction: str
     lines: Literal["along", "across", ""]
     sources: str
+    remark: str = ""
 
     def values(self, given: Mapping[str, float]) -> dict[str, float]:
         """Complete the values of the parameters by their defaults.

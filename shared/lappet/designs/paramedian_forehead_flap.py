@@ -267,4 +267,5 @@ PARAMEDIAN_FOREHEAD = LibraryDesign(
     "from the defect to the pivot, and on",
     "",
     _DHAWAN + " (an excerpt was read).",
+    "What is measured as open is the paddle's place on the forehead, which is left to heal by itself.",
 )

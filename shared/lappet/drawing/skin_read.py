@@ -13,6 +13,7 @@ from lappet.anatomy.tissue_kind import KINDS
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.core.problem import RefusedError
 from lappet.drawing.scenery_read import SceneryMesh, read_scenery
+from lappet.drawing.second_stage import second_stage_from
 from lappet.drawing.skin_source import ORIGINS, FigureError, SkinEpoch, SkinSource, StepEvent, Strands, VesselLine
 from lappet.drawing.suture_bites import bites_at, carried
 from lappet.geometry.curve import sample_curve
@@ -302,13 +303,10 @@ class SkinCache(SkinSource):
         return [line for line in sampled if line is not None]
 
     def _curves(self, kind: str, step: float) -> list[NDArray[np.float64]]:
-        lines = []
-        timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
-        for event in self.events:
-            prim = timeline.GetChild(event.name)
-            line = self._sampled(prim, step, kind == "Undermine") if event.kind == kind else None
-            lines += [] if line is None else [line]
-        return lines
+        timeline, late = self._stage.GetPrimAtPath("/Procedure/Timeline"), second_stage_from(self.events)
+        prims = [timeline.GetChild(each.name) for each in self.events if each.kind == kind and each.start < late]
+        lines = [self._sampled(prim, step, kind == "Undermine") for prim in prims]
+        return [line for line in lines if line is not None]
 
     def _sampled(self, prim: Any, step: float, closed: bool) -> NDArray[np.float64] | None:
         """The points of a curve; None where there are none, or a curve that check would refuse."""

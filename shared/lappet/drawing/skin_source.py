@@ -329,7 +329,7 @@ class SkinSource(Protocol):
         """
 
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
-        """Sample the incisions at rest.
+        """Sample the incisions at rest, without those of a second stage.
 
         Parameters
         ----------

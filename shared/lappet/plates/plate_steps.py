@@ -9,12 +9,12 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.second_stage import CUTS as CUT_KINDS
+from lappet.drawing.second_stage import PULLS, second_stage_from
 from lappet.drawing.skin_source import SkinSource, StepEvent
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.plate import PlatePanel
 
-_CUTS = ("Incision", "Excision", "Undermine")
-_PULLS = ("Hook", "Retractor")
 _MOST = 99.0  # percent of the skin's points that count: the tips of flaps settle a little when hooks let go
 _SAME = 1.5  # mm: two panels in which no skin moves farther are one (chosen: about a line of text on paper)
 
@@ -85,8 +85,8 @@ def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateSt
         At most nine in order of time; panels that look the same are one.
     """
     frames, events = source.frames, [e for e in source.events if e.kind != "Landmark"]
-    cuts = [e for e in events if e.kind in _CUTS]
-    pulls = [e for e in events if e.kind in _PULLS]
+    cuts = [e for e in events if e.kind in CUT_KINDS]
+    pulls = [e for e in events if e.kind in PULLS]
     sutures = [e for e in events if e.kind == "Suture"]
     held = min((e.start for e in (*pulls, *sutures)), default=frames[-1] + 1.0)
     first = [e for e in cuts if e.start <= held] or cuts
@@ -155,17 +155,13 @@ def second_stage(frames: Sequence[float], events: Sequence[StepEvent]) -> list[P
     list[PlateStep]
         The flap sewn in, and divided; none where no cut follows when all sutures begun before it are closed.
     """
-    pulls = [e.start for e in events if e.kind in _PULLS]
-    sutures = [e for e in events if e.kind == "Suture"]
-    if not pulls or not sutures:
+    begin = second_stage_from(events)
+    if begin == float("inf"):
         return []
-    sewn = min(e.start for e in sutures)
-    late = [e.start for e in events if e.kind in _CUTS and e.start > max(sewn, min(pulls))]
-    if not late or any(e.start < min(late) < e.end for e in sutures):
-        return []
-    before = [f for f in frames if sewn < f < min(late)]
-    rejoined = min((e.start for e in sutures if e.start >= min(late)), default=frames[-1])
-    last = _at_or_after(frames, max(late))
+    sutures = [e.start for e in events if e.kind == "Suture"]
+    before = [f for f in frames if min(sutures) < f < begin]
+    rejoined = min((start for start in sutures if start >= begin), default=frames[-1])
+    last = _at_or_after(frames, max(e.start for e in events if e.kind in CUT_KINDS and e.start >= begin))
     after = [f for f in frames if last <= f < rejoined]
     steps = [PlateStep(before[-1], StepKind.SUTURED)] if before else []
     return [*steps, PlateStep(after[-1] if after else last, StepKind.DIVIDED)]

@@ -122,6 +122,7 @@ def _results(design: LibraryDesign, rows: Mapping[str, Mapping[str, Any]], spaci
         f"frame ({row['frames']} of {row['of_frames']} frames converged)."
     )
     about += f" The suture that pulls most is `{suture}`." if suture else ""
+    about += f" {design.remark}" if design.remark else ""
     return ["## What was measured", "", about, "", markdown_table(["what", "here"], table), ""]
 
 
