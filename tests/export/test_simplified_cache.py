@@ -54,6 +54,7 @@ def test_each_epoch_has_as_few_triangles_as_were_asked_for_and_is_closed(cache: 
     for whole, epoch in zip(cache.epochs, simple.epochs, strict=True):
         assert open_edges(whole.triangles) == 0
         assert open_edges(epoch.triangles) == 0
+        assert all(len(set(corners)) == 3 for corners in epoch.triangles.tolist())
         assert 0.9 * MOST <= len(epoch.triangles) <= MOST < len(whole.triangles)
 
 

@@ -73,7 +73,9 @@ def simplified_triangles(
         target_error=ctypes.c_float(error_mm),
         options=package.SIMPLIFY_ERROR_ABSOLUTE,
     )
-    return left[:found].reshape(-1, 3).astype(np.int32)
+    faces = left[:found].reshape(-1, 3).astype(np.int32)
+    a, b, c = place[faces].T  # at a seam an edge may have shrunk to two vertices of one place
+    return faces[(a != b) & (b != c) & (c != a)]
 
 
 def _set_apart(points: NDArray[np.float32]) -> NDArray[np.float32]:
