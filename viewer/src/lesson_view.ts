@@ -9,6 +9,7 @@ import { Options, type Theme } from "./options";
 import { Picture } from "./picture";
 import { Player } from "./player";
 import { PrintSheet } from "./print_sheet";
+import { drawsInSoftware } from "./software";
 import { type Shown, Stage } from "./stage";
 import { Timeline } from "./timeline";
 import { Transport } from "./transport";
@@ -51,7 +52,8 @@ export class LessonView {
     arrays: Arrays,
     private readonly around: Surroundings | null = null,
   ) {
-    this.stages = lesson.procedures.map((procedure) => new Stage(lesson, procedure, arrays));
+    const shadowPixels = drawsInSoftware() ? 1024 : 2048;
+    this.stages = lesson.procedures.map((procedure) => new Stage(lesson, procedure, arrays, shadowPixels));
     const labeled = (kind: string): boolean =>
       lesson.procedures.some((each) => each.labels.some((label) => label.kind === kind));
     const has = (strand: string): boolean => lesson.procedures.some((each) => each.strands[strand]?.lines.some(Boolean));

@@ -3,26 +3,20 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { blend, type Pose, setLens, upright, type View, viewPose } from "./camera";
 import { Labels } from "./labels";
+import { drawsInSoftware } from "./software";
 import type { Shown, Stage } from "./stage";
 import type { Timeline } from "./timeline";
 
 const FLIGHT = 0.7; // seconds from one view to another
 const SLOW = 45; // milliseconds from picture to picture: slower ones have fewer pixels while they move
+const SHADOW_EVERY = 4; // pictures, while one moves that the processor draws: its shadow is half of the work
 const REST = 250; // milliseconds after which a picture rests
 const COARSEST = 0.5;
 const FINEST = 1.5; // of a resting picture without smoothed edges
 
-/** Whether no graphics processor draws, but the processor in its place: then smooth edges cost more than they give. */
-function drawsInSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const info = gl?.getExtension("WEBGL_debug_renderer_info");
-  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
-}
-
 export class Picture {
   readonly camera = new THREE.PerspectiveCamera(20, 1, 1, 10000);
+  private readonly software = drawsInSoftware();
   private readonly renderer: THREE.WebGLRenderer;
   private readonly controls: OrbitControls;
   readonly labels: Labels;
@@ -43,7 +37,7 @@ export class Picture {
     private readonly still: boolean,
     private readonly requestDraw: () => void,
   ) {
-    const software = drawsInSoftware();
+    const { software } = this;
     this.rested = software ? FINEST : 1;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, alpha: true, preserveDrawingBuffer: true });
     this.renderer.toneMapping = THREE.NeutralToneMapping;
@@ -123,6 +117,7 @@ export class Picture {
     this.stages.forEach((stage, k) => {
       const moment = this.timeline.frame(k, time);
       stage.show(this.still ? Math.floor(moment + 1e-6) : moment, shown);
+      stage.castShadow(this.software && !this.resting ? SHADOW_EVERY : 1);
       this.drawPart(stage, parts[k]);
       this.labels.place(stage, moment, this.camera, parts[k], shown);
     });
@@ -166,6 +161,7 @@ export class Picture {
     const size = this.renderer.getSize(new THREE.Vector2());
     const ratio = this.renderer.getPixelRatio();
     target.show(Math.floor(this.timeline.frame(stage, time) + 1e-6), shown);
+    target.castShadow(1);
     this.renderer.setPixelRatio(1);
     this.renderer.setSize(width, height, false);
     this.renderer.setScissorTest(false);

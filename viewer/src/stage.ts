@@ -42,6 +42,8 @@ export class Stage {
   private bed: { mesh: THREE.Mesh; positions: Positions; index: Uint32Array } | null = null;
   private moment = "";
   private key!: THREE.DirectionalLight;
+  private stale = true; // whether the shadow is that of another moment
+  private waited = Infinity; // pictures since it was cast
   private opacity = 1;
   private readonly ray = new THREE.Raycaster();
 
@@ -49,6 +51,7 @@ export class Stage {
     lesson: Lesson,
     readonly procedure: Procedure,
     arrays: Arrays,
+    shadowPixels: number,
   ) {
     const { field } = procedure;
     this.materials = new Materials(lesson, procedure.layers);
@@ -75,7 +78,7 @@ export class Stage {
     this.addScenery(arrays);
     this.hasVessels = VESSELS.some((kind) => this.strands.has(kind));
     this.hasBody = this.around.children.length > 0;
-    this.addLights();
+    this.addLights(shadowPixels);
   }
 
   /** The point of the field's coordinates that a place in mm is. */
@@ -100,12 +103,12 @@ export class Stage {
     if (opacity !== this.opacity) {
       this.materials.setOpacity((this.opacity = opacity));
       for (const skin of this.epochs) skin.mesh.castShadow = opacity >= 1;
-      this.key.shadow.needsUpdate = true;
+      this.stale = true;
     }
     const moment = `${frame} ${share}`;
     if (moment !== this.moment) {
       this.moment = moment;
-      this.key.shadow.needsUpdate = true;
+      this.stale = true;
       const to = moves ? frame + 1 : frame;
       for (const { frames, tubes } of this.strands.values()) tubes.draw(between(frames[frame], frames[to], share));
       this.drawLips(here.epoch);
@@ -114,10 +117,19 @@ export class Stage {
     for (const [name, { tubes }] of this.strands) {
       const wanted = VESSELS.includes(name) ? true : shown[name as "hooks" | "threads" | "marks"];
       const visible = wanted && tubes.mesh.geometry.attributes.position.count > 0;
-      if (visible !== tubes.mesh.visible) this.key.shadow.needsUpdate = true;
+      if (visible !== tubes.mesh.visible) this.stale = true;
       tubes.mesh.visible = visible;
     }
     this.around.visible = shown.around;
+  }
+
+  /** Lets the shadow follow what is shown, in every picture or in every so-and-so-many-th. */
+  castShadow(every: number): void {
+    this.waited++;
+    if (!this.stale || this.waited < every) return;
+    this.key.shadow.needsUpdate = true;
+    this.stale = false;
+    this.waited = 0;
   }
 
   /** Positions of the cache's vertices that are on the screen now, in mm. */
@@ -186,7 +198,7 @@ export class Stage {
     this.tissue.add(this.around);
   }
 
-  private addLights(): void {
+  private addLights(shadowPixels: number): void {
     const reach = 4 * this.radius * this.procedure.field.context;
     this.scene.add(new THREE.HemisphereLight(0xf4f8ff, 0xd8b9a6, 1.15));
     const light = (x: number, y: number, z: number, power: number): THREE.DirectionalLight => {
@@ -201,7 +213,7 @@ export class Stage {
     this.key = key;
     key.castShadow = true;
     key.shadow.autoUpdate = false; // only what moves casts another shadow
-    key.shadow.mapSize.set(2048, 2048);
+    key.shadow.mapSize.set(shadowPixels, shadowPixels);
     const half = 1.35 * this.radius;
     Object.assign(key.shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 0.1 * reach, far: 2 * reach });
     key.shadow.normalBias = 0.35;

@@ -1,4 +1,4 @@
-"""The camera of a panel that is seen otherwise than the plate: from elsewhere, or cropped about a place."""
+"""The camera of a panel that is seen otherwise than the plate: from elsewhere, from afar, or cropped about a place."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from lappet.plates.plate_scene import PlateScene
 from lappet.plates.skin_anchors import SkinAnchors
 from lappet.procedure.plate import PlatePanel
 
+MOST_AROUND = 2.2  # times the operation: more of a body around it makes it too small to see
+_AFAR = 1.7  # power of what the other panels show around it
 LEAST_ACROSS = 2.0  # mm: less is smaller than a cell of the lattice
 
 
@@ -52,6 +54,24 @@ def with_camera(scene: PlateScene, panel: PlatePanel, time: float, size: tuple[f
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(scene.field.normal, right), scene.field.normal])
     return replace(scene, view=view, zoom=zoom, axes=axes)
+
+
+def from_afar(scene: PlateScene) -> PlateScene:
+    """See more of the body around an operation.
+
+    Parameters
+    ----------
+    scene
+        The procedure before the plate's camera.
+
+    Returns
+    -------
+    PlateScene
+        The same through a wider lens; the scene itself where as much of the body is seen, or none is shown.
+    """
+    near = scene.field.context
+    far = min(near**_AFAR, MOST_AROUND)
+    return replace(scene, zoom=scene.zoom * near / far) if scene.scenery and far > near else scene
 
 
 def own_direction(panel: PlatePanel) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
