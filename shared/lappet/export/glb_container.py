@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from lappet.core.durable import write_whole
 from lappet.export.glb_meshopt import MESHOPT, CompressedViews
 
-BYTE, SHORT, USHORT, UINT, FLOAT = 5120, 5122, 5123, 5125, 5126
+BYTE, UBYTE, SHORT, USHORT, UINT, FLOAT = 5120, 5121, 5122, 5123, 5125, 5126
 VERTICES, INDICES = 34962, 34963
-_BYTES = {BYTE: 1, SHORT: 2, USHORT: 2, UINT: 4, FLOAT: 4}
+_BYTES = {BYTE: 1, UBYTE: 1, SHORT: 2, USHORT: 2, UINT: 4, FLOAT: 4}
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
 
@@ -77,6 +77,22 @@ class GlbContainer:
         """
         array = np.ascontiguousarray(values, np.float32)
         return self._accessor(array, FLOAT, self.view(array.tobytes(), target), box)
+
+    def switches(self, values: NDArray[np.bool_]) -> int:
+        """Add what is on or off.
+
+        Parameters
+        ----------
+        values
+            Shape (n,).
+
+        Returns
+        -------
+        int
+            Index of their accessor.
+        """
+        array = np.ascontiguousarray(values, np.uint8)
+        return self._accessor(array, UBYTE, self.view(array.tobytes()), False)
 
     def indices(self, triangles: NDArray[np.integer], count: int) -> int:
         """Add indices of vertices.

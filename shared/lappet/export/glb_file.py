@@ -1,7 +1,8 @@
 """`lappet export CACHE.usdc -o X.glb`: glTF, with a mesh for each epoch that morphs from frame to frame.
 
-Morph targets are the frames, scale switches between meshes (of what is scaled to nothing glTF says that it need not be
-drawn), and each step of the operation is an animation besides the one of all.
+Morph targets are the frames. Scale switches between meshes (of what is scaled to nothing glTF says that it need not be
+drawn), and so does visibility, for programs that know KHR_node_visibility and KHR_animation_pointer. Each step of the
+operation is an animation besides the one of all.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
 from lappet.export.simplified_cache import simplified
 from lappet.output.named_steps import operation_steps
 
+VISIBILITY, POINTER = "KHR_node_visibility", "KHR_animation_pointer"
 STILL_MM = 0.002  # a vertex that a frame moves by less does not move
 STILL_NORMAL = 0.004
 MOST_DRIFT = 0.05  # mm: how far whole numbers may move a vertex
@@ -142,7 +144,10 @@ class _GlbDocument:
             if self._quantized:
                 # What switches the shape scales the node above that which says what its numbers are.
                 node = {"name": f"{shape.name} shown", "children": [self._mesh_node(number, len(shapes))]}
-            nodes.append(node if self._frames[-1] in shape.frames else {**node, "scale": [0.0] * 3})
+            shown = self._frames[-1] in shape.frames
+            if len(shape.frames) < len(self._frames):
+                node["extensions"] = {VISIBILITY: {"visible": shown}}
+            nodes.append(node if shown else {**node, "scale": [0.0] * 3})
         if self._quantized:
             own = [QuantizedShape.of(shape).node for shape in shapes]
             nodes += [{"name": shapes[k].name, "mesh": k, **each} for k, each in enumerate(own)]
@@ -161,9 +166,13 @@ class _GlbDocument:
         if self._images:
             document["images"], document["textures"] = self._images, [{"source": 0, "sampler": 0}]
             document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}]
-        if self._quantized:
-            used = [EXTENSION, *([MESHOPT] if self._container.compressed else [])]
-            document["extensionsUsed"] = document["extensionsRequired"] = used
+        required = [EXTENSION] if self._quantized else []
+        required += [MESHOPT] if self._container.compressed else []
+        if required:
+            document["extensionsRequired"] = required
+        switched = any("extensions" in node for node in nodes)
+        if required or switched:
+            document["extensionsUsed"] = required + ([VISIBILITY, POINTER] if switched else [])
         self._container.write(document, path)
 
     def _mesh_node(self, number: int, count: int) -> int:
@@ -235,27 +244,27 @@ class _GlbDocument:
         channels: list[dict[str, Any]] = []
         inputs: dict[tuple[float, ...], int] = {}
 
-        def add(node: int, path: str, times: tuple[float, ...], values: Any, interpolation: str) -> None:
+        def add(target: dict[str, Any], times: tuple[float, ...], output: int, interpolation: str) -> None:
             if times not in inputs:
                 seconds = (np.array(times) - frames[0]) / self._fps
                 inputs[times] = self._container.floats(seconds, box=True)
-            sampler = {
-                "input": inputs[times],
-                "output": self._container.floats(values),
-                "interpolation": interpolation,
-            }
-            samplers.append(sampler)
-            channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
+            samplers.append({"input": inputs[times], "output": output, "interpolation": interpolation})
+            channels.append({"sampler": len(samplers) - 1, "target": target})
 
         for number, shape in enumerate(shapes, start=1):
             own = tuple(time for time in frames if time in shape.frames)
             if own and len(shape.frames) > 1 and self._moves(shape):
                 rows = [shape.frames.index(time) for time in own]
                 weights = np.eye(len(shape.frames))[rows, :-1]
-                add(self._mesh_node(number - 1, len(shapes)), "weights", own, weights.ravel(), "LINEAR")
+                target = {"node": self._mesh_node(number - 1, len(shapes)), "path": "weights"}
+                add(target, own, self._container.floats(weights.ravel()), "LINEAR")
             if len(shape.frames) < len(self._frames):
                 shown = np.array([time in shape.frames for time in frames], np.float32)
                 changes = [0, *(k for k in range(1, len(frames)) if shown[k] != shown[k - 1])]
                 times = tuple(frames[k] for k in changes)
-                add(number, "scale", times, np.repeat(shown[changes, None], 3, axis=1), "STEP")
+                scale = self._container.floats(np.repeat(shown[changes, None], 3, axis=1))
+                add({"node": number, "path": "scale"}, times, scale, "STEP")
+                pointer = {"pointer": f"/nodes/{number}/extensions/{VISIBILITY}/visible"}
+                target = {"path": "pointer", "extensions": {POINTER: pointer}}
+                add(target, times, self._container.switches(shown[changes] > 0), "STEP")
         return {"name": name, "samplers": samplers, "channels": channels}
