@@ -54,10 +54,13 @@ def cuts(design: FlapDesign) -> NDArray[np.float64]:
     return np.vstack([np.array(curve) for curve in (design.excised[0].outline, *design.incisions)])
 
 
-def test_around_a_slit_in_a_plane_the_design_is_as_drawn_but_that_it_does_not_cut_the_slit() -> None:
+@pytest.mark.parametrize("measures", [MEASURES, {**MEASURES, "width": 32.0, "alar": 20.0}])
+def test_around_a_slit_in_a_plane_the_design_is_as_drawn_but_that_it_does_not_cut_the_slit(
+    measures: dict[str, float],
+) -> None:
     row = library_design("karapandzic")
-    plain = row.draw((0.0, -6.0, 0.0), (1.0, 0.0, 0.0), **row.values(MEASURES))
-    found = laid(sheet_with_mouth())
+    plain = row.draw((0.0, -6.0, 0.0), (1.0, 0.0, 0.0), **row.values(measures))
+    found = laid(sheet_with_mouth(), **measures)
     assert plain.opening
     assert not found.opening
     assert cuts(found) == pytest.approx(cuts(plain), abs=0.25)  # the slit is 0.2 mm wide

@@ -20,6 +20,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 _LIP, _CORNER = 0.6, 0.95  # of half the slit: what is nearer to the middle, or farther, is mapped in one of both ways
 _LEVEL = 1e-6  # mm beside the slit that are none
+_BESIDE = 3.0  # mm from the slit: nearer to it a corner's map has no share, at twice as much all of it
 _ASIDE = 3.0  # mm from a corner of the opening to where the skin beside it is walked from
 
 
@@ -75,9 +76,11 @@ class OpeningDrape:
         x, y = (plane - self._start) @ self._along - 0.5 * self._long, (plane - self._start) @ self._up
         y[np.abs(y) < _LEVEL] = 0.0
         half = 0.5 * self._long
-        share = np.clip((np.abs(x) / half - _LIP) / (_CORNER - _LIP), 0.0, 1.0)[:, None]  # of a corner's map
-        share[(y == 0.0) & (np.abs(x) < half)] = 0.0  # the slit itself
+        share = np.clip((np.abs(x) / half - _LIP) / (_CORNER - _LIP), 0.0, 1.0)  # of a corner's map
+        # Beside the slit a line from a corner would lead through the opening.
+        share = np.where(np.abs(x) < half, share * np.clip((np.abs(y) - _BESIDE) / _BESIDE, 0.0, 1.0), share)
         found = np.zeros((len(plane), 3))
+        share = share[:, None]
         lip = share[:, 0] < 1.0
         found[lip] += (1.0 - share[lip]) * self._beside_border(x[lip], y[lip])
         for side in (-1.0, 1.0):
