@@ -117,6 +117,14 @@ def test_the_distance_that_is_told_is_that_of_the_surfaces(
     assert away < float(said.value) + 3.0 * spacing
 
 
+def test_an_epoch_of_which_no_frame_is_shown_stays_whole(cache: SkinCache) -> None:
+    told: list[Problem] = []
+    found = simplified(cache, cache.frames[:1], request(cache, told, triangles=MOST))
+    assert found.epochs[1].triangles is cache.epochs[1].triangles
+    assert len(found.epochs[0].triangles) <= MOST
+    assert float(told[0].value) < 1e-6  # the first epoch is flat
+
+
 def test_a_bump_that_is_left_out_is_as_far_away_as_it_is_high() -> None:
     side = 4
     at = np.arange((side + 1) ** 2).reshape(side + 1, side + 1)

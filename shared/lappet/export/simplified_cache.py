@@ -104,11 +104,12 @@ def simplified(cache: SkinCache, frames: Sequence[float], request: ExportRequest
         kept = [_keep(cache, epoch, frames, target) for epoch in cache.epochs]
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error
-    left = max(len(each.epoch.triangles) for each in kept)
+    shown = [each for each in kept if set(each.whole.frames) & set(frames)]
+    left = max(len(each.epoch.triangles) for each in shown)
     if target.triangles is not None and left > target.triangles:
         raise refused(ProblemCode.EXPORT_SIMPLIFY, cache.path, target.triangles, least=left)
-    before = max(len(each.whole.triangles) for each in kept)
-    away = f"{max(each.error for each in kept):.3f}"
+    before = max(len(each.whole.triangles) for each in shown)
+    away = f"{max(each.error for each in shown):.3f}"
     request.note(problem(ProblemCode.EXPORT_SIMPLIFIED, request.target, away, left=left, before=before))
     return SimplifiedCache(cache, {each.whole.name: each for each in kept})
 
@@ -132,7 +133,9 @@ def fitting_triangles(vertices: float) -> int:
 
 
 def _keep(cache: SkinCache, epoch: SkinEpoch, frames: Sequence[float], target: SimplifyTarget) -> _Kept:
-    own = [time for time in epoch.frames if time in frames] or [epoch.frames[0]]
+    own = [time for time in epoch.frames if time in frames]
+    if not own:  # it is not shown, and what is drawn below the others is found from all of it
+        return _Kept(epoch, epoch, np.arange(len(cache.rest(epoch))), cache.column(epoch), 0.0)
     rest = cache.rest(epoch)
     states = np.stack([rest, *(cache.positions(epoch, time) for time in own)])
     corner = _Corners.of(cache, epoch)
