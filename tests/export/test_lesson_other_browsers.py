@@ -14,10 +14,10 @@ import pytest
 
 import other_browsers
 from lappet.drawing.skin_read import SkinCache
+from lappet.export.glb_file import MOST_DRIFT
 from other_browsers import Browser, firefox, webkit
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
-CLOSE = 0.05  # mm
 _WEBKIT = other_browsers.WEBKIT and other_browsers.XVFB
 
 BROWSERS = [
@@ -55,7 +55,7 @@ def test_every_frame_stands_where_the_cache_has_it_and_steps_differ(
         for k, time in enumerate(cache.frames):
             found = page.run(f"window.lappetLesson.seek({k}); return window.lappetLesson.positions({k})")
             off = np.reshape(found, (-1, 3)) - cache.positions(cache.epoch_at(time), time)
-            assert np.linalg.norm(off, axis=1).max() < CLOSE
+            assert np.linalg.norm(off, axis=1).max() < MOST_DRIFT
         assert page.run(f"window.lappetLesson.seek(6); {COLORS}") > 200
         page.run("document.querySelector('input[value=tension]').click()")
         page.until("return !document.querySelector('#legend').hidden")

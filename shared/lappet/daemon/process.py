@@ -35,7 +35,7 @@ _OF_ITS_OWN = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
 # On ARM: the kernels that OpenBLAS has for every such processor. Those that it would choose give other last digits on
-# each kind, and with those for SME (Apple's M4, ARMv9) a frame did not converge under qemu.
+# each kind, and those for SME (ARMv9) multiply matrices wrongly under qemu 7.2.
 _ARM_BLAS = {"OPENBLAS_CORETYPE": "ARMV8"}
 _HAS_BROKER = os.name == "posix"  # a daemon with keys has one
 _UNBOUNDED = Quotas(memory_gib=65536.0, sessions=64, seconds=1e6)  # the settings of its client count, as without keys

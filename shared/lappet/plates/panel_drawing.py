@@ -29,6 +29,7 @@ _LETTER_INSET = 3.2  # mm on paper from a corner
 _LEAST_MOVE = 0.12  # of the panel's height: shorter ways have no arrow
 _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
+_LETTER_SPACE = 2.4  # mm on paper: of letters that are nearer the first stands
 _LEAST_LETTERS = 2  # a letter alone tells nothing
 _LEAST_AREA = 6.0  # mm² on paper of an area that is named
 _SHARES = np.linspace(0.1, 0.9, 7)  # of a stroke, at which a leader may end
@@ -312,7 +313,10 @@ def _letters(scene: PlateScene, time: float, projection: Projection, screen: Scr
     known = np.isfinite(places).all(axis=1)
     paper, depth = projection.paper(np.where(known[:, None], places, 0.0))
     seen = known & (depth <= screen.nearest(paper)[1] + 0.5)
-    letters = [Letter(corner.letter, paper[k]) for k, corner in enumerate(scene.corners) if seen[k]]
+    letters: list[Letter] = []
+    for k in np.flatnonzero(seen):
+        if all(np.linalg.norm(paper[k] - other.at) >= _LETTER_SPACE for other in letters):
+            letters.append(Letter(scene.corners[k].letter, paper[k]))
     return letters if len(letters) >= _LEAST_LETTERS else []
 
 
