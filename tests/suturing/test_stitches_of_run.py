@@ -13,6 +13,7 @@ from lappet.procedure import Incision, Procedure, Suture, SutureLayer, SutureRun
 from lappet.procedure.edits import add_event, replace_event, retime_event
 from lappet.procedure.history import History
 from lappet.suturing import run_stitches, with_single_sutures
+from lappet.suturing.lip_pair import on_edge
 from lappet.suturing.single_sutures import skin_of
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
@@ -166,3 +167,10 @@ def test_a_run_is_edited_moved_in_time_and_undone_like_any_event() -> None:
     history.undo()
     assert len(with_single_sutures(history.procedure).events) == 10
     assert add_event(RUN).label == "Add sutures run"
+
+
+@pytest.mark.parametrize("off", [-1e-15, 0.0, 1e-15])
+def test_the_direction_at_a_point_of_an_edge_does_not_depend_on_the_rounding_of_lengths(off: float) -> None:
+    turn = np.linspace(0.0, 1.0, 11)
+    arc = 20.0 * np.stack([np.cos(turn), np.sin(turn), np.zeros(11)], axis=1)
+    np.testing.assert_array_equal(on_edge(arc, 0.5 + off).along, arc[7] - arc[4])

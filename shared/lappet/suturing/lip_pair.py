@@ -16,6 +16,7 @@ from lappet.tissue.skin_sheet import SkinSheet
 # of chords, drifts from the skin's normal at most, or the bite would be in the other wall. Measured on the examples:
 # less than 0.03.
 DRIFT = 0.05
+_AT_POINT = 1e-9  # mm
 
 
 class LipPlace(NamedTuple):
@@ -54,7 +55,8 @@ def on_edge(points: NDArray[np.float64], share: float) -> LipPlace:
     """
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     at = share * along[-1]
-    k = min(int(np.searchsorted(along, at, side="right")), len(points) - 1)
+    # At a point of the edge the piece after it counts, however the sum of lengths was rounded.
+    k = min(int(np.searchsorted(along, at + _AT_POINT, side="right")), len(points) - 1)
     spot = points[k - 1] + (at - along[k - 1]) / (along[k] - along[k - 1]) * (points[k] - points[k - 1])
     low, high = max(k - 2, 0), min(k + 1, len(points) - 1)  # the direction of a curved edge, over its neighbors too
     return LipPlace(spot, points[high] - points[low])
