@@ -9,7 +9,7 @@ import pytest
 
 from lappet.drawing.scenery_read import SceneryMesh
 from lappet.drawing.skin_read import SkinCache
-from lappet.plates.panel_camera import MOST_AROUND, from_afar
+from lappet.plates.panel_camera import MOST_AROUND, with_body
 from lappet.plates.plate_cache import chosen_steps
 from lappet.plates.plate_scene import PlateScene, plate_scene
 
@@ -27,17 +27,19 @@ def on_body(scene: PlateScene, context: float) -> PlateScene:
     return replace(scene, scenery=(mesh,), field=replace(scene.field, context=context))
 
 
-@pytest.mark.parametrize("context", [1.1, 1.5, 2.0])
-def test_from_afar_more_of_the_body_is_in_the_picture_but_never_too_much(scene: PlateScene, context: float) -> None:
-    near = on_body(scene, context)
-    far = from_afar(near)
-    wider = near.projection(SIZE).scale / far.projection(SIZE).scale
-    assert 1.0 < wider * context <= MOST_AROUND + 1e-9
-    assert wider > 1.0
-    np.testing.assert_array_equal(far.view.position, near.view.position)  # a lens, not a step back
+@pytest.mark.parametrize("context", [1.1, 1.5, 2.5, 3.3])
+def test_the_panel_that_opens_a_plate_shows_the_body_and_the_others_are_nearer(
+    scene: PlateScene, context: float
+) -> None:
+    whole = on_body(scene, context)
+    opening, other = (with_body(whole, opens).projection(SIZE).scale for opens in (True, False))
+    around_opening, around_other = (context * whole.projection(SIZE).scale / each for each in (opening, other))
+    assert 1.0 < around_other <= around_opening + 1e-9
+    assert around_other < context
+    # As much of the body as there is, but the operation stays large enough to be seen.
+    assert around_opening == pytest.approx(max(min(context, MOST_AROUND), around_other))
+    np.testing.assert_array_equal(with_body(whole, False).view.position, whole.view.position)  # a lens, not a step
 
 
-def test_a_flat_patch_and_a_wound_with_much_around_it_are_seen_as_they_were(scene: PlateScene) -> None:
-    assert from_afar(scene) is scene
-    wide = on_body(scene, MOST_AROUND + 0.1)
-    assert from_afar(wide) is wide
+def test_a_flat_patch_is_seen_alike_in_all_panels(scene: PlateScene) -> None:
+    assert {with_body(scene, opens).zoom for opens in (True, False)} == {1.0}

@@ -21,7 +21,7 @@ MARGIN = 9.0
 # Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
 FIELD_FILL = (0.64, 0.78)
 WIDEST = 5.0  # times the field: so much of the body around it counts at most
-NEARER = 0.5  # power of that which is shown: less of a body around a small wound
+NEARER = 0.75  # power of that which is shown: less of a body around a small wound
 WHOLE_FILL = (0.94, 0.94)
 OVERHANG = -0.2  # of a body's skin that faces down more than so (its normal's z), a plate is drawn from above
 

@@ -1,4 +1,4 @@
-"""The camera of a panel that is seen otherwise than the plate: from elsewhere, from afar, or cropped about a place."""
+"""The camera of a panel that is seen otherwise than the plate: from elsewhere, with less of the body, or cropped."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.drawing.framing import Viewpoint, half_angles, viewpoint, viewpoint_along
-from lappet.plates.plate_scene import PlateScene
+from lappet.plates.plate_scene import PlateScene, nearest_zoom
 from lappet.plates.skin_anchors import SkinAnchors
 from lappet.procedure.plate import PlatePanel
 
 MOST_AROUND = 2.2  # times the operation: more of a body around it makes it too small to see
-_AFAR = 1.7  # power of what the other panels show around it
 LEAST_ACROSS = 2.0  # mm: less is smaller than a cell of the lattice
 
 
@@ -56,22 +55,24 @@ def with_camera(scene: PlateScene, panel: PlatePanel, time: float, size: tuple[f
     return replace(scene, view=view, zoom=zoom, axes=axes)
 
 
-def from_afar(scene: PlateScene) -> PlateScene:
-    """See more of the body around an operation.
+def with_body(scene: PlateScene, opens: bool) -> PlateScene:
+    """See more or less of the body around an operation, by another lens.
 
     Parameters
     ----------
     scene
         The procedure before the plate's camera.
+    opens
+        Whether the panel opens the plate and tells where on the body that is; the others are nearer.
 
     Returns
     -------
     PlateScene
-        The same through a wider lens; the scene itself where as much of the body is seen, or none is shown.
+        The same through that lens; as it was where no body is shown around it.
     """
-    near = scene.field.context
-    far = min(near**_AFAR, MOST_AROUND)
-    return replace(scene, zoom=scene.zoom * near / far) if scene.scenery and far > near else scene
+    near = nearest_zoom(scene.field)
+    far = max(scene.field.context / MOST_AROUND, 1.0)
+    return replace(scene, zoom=scene.zoom * (min(far, near) if opens else near))
 
 
 def own_direction(panel: PlatePanel) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:

@@ -16,7 +16,7 @@ from lappet.plates.filled_areas import AreaKind
 from lappet.plates.ghost_outline import VARIANTS, ghost_areas, ghost_outline, variant_outlines
 from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
 from lappet.plates.measures import Measure, plan_measures
-from lappet.plates.panel_camera import from_afar, with_camera
+from lappet.plates.panel_camera import with_body, with_camera
 from lappet.plates.panel_drawing import (
     AREA_LABELS,
     SECTION_LABELS,
@@ -183,9 +183,9 @@ class PanelMaker:
         taken = np.vstack([taken_places(drawing), *under, *(_filling(place) for place in places)])
         widths = [self.font.width(text, self.style.label_size) for text, _ in named]
         own_scale = areas is SECTION_LABELS or (step.panel is not None and step.panel.at is not None)
-        # The first panel, and the first at the scale of the others where it is seen from farther away.
-        first = index == 0 or (index == 1 and from_afar(self.scenes[0]) is not self.scenes[0])
-        bar = self.bar(drawing, self.size) if first or own_scale or request.bars else 0.0
+        # The first panel, and the first of the others where these have another scale.
+        other_scale = index == 1 and scene.zoom != self._scene(0, request.rows[0].steps[0], self.size).zoom
+        bar = self.bar(drawing, self.size) if index == 0 or other_scale or own_scale or request.bars else 0.0
         texts = self._texts(drawing, (*measures, *notes.measures), bar)
         line = LINE * self.style.label_size
         labels = place_labels(named, widths, self.size, line, taken, letter, texts, told.places)
@@ -286,14 +286,9 @@ class PanelMaker:
         """The procedure before a panel's camera."""
         panel = step.panel
         scene = self.scenes[row]
-        if self._opens(row, step):
-            scene = from_afar(scene)
+        if len(self.request.rows) == 1 and not self.variants:  # what is compared has one scale
+            scene = with_body(scene, step is self.request.rows[row].steps[0] and step.kind in _PLANS)
         return scene if panel is None else with_camera(scene, panel, step.time, size)
-
-    def _opens(self, row: int, step: PlateStep) -> bool:
-        """Whether a panel is the plan that opens the plate of one procedure: it tells where on the body that is."""
-        steps = self.request.rows[row].steps
-        return len(self.request.rows) == 1 and not self.variants and step is steps[0] and step.kind in _PLANS
 
     def _notes(
         self, scene: PlateScene, steps: Sequence[PlateStep], index: int, drawing: PanelDrawing

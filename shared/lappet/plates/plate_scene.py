@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +27,7 @@ _FILL = (0.74, 0.84)  # shares of a panel's width and height that the operation 
 _PLAN_STEP = 0.25  # mm
 _ON_SKIN = 0.5  # mm: marks and threads that ride on the skin may lie so far behind it
 _CROWDED = 4.5  # mm on paper: of corners that are nearer to each other one has a letter
+_NEAR = 2.0 / 3.0  # power of the body around an operation that is left where it is seen from nearer
 _BESIDE = 2.5  # mm from a corner at which its tissue is looked for
 _GONE = 1.0  # mm: a place at rest that is farther from all skin has been excised
 _LIGHT = (-0.85, 0.55, 1.0)  # right, up, out of the skin: from the upper left, as in Blender's pictures
@@ -53,6 +53,8 @@ class PlateScene:
         The planned cuts at rest in mm, each of shape (k, 3).
     marks, threads, hooks
         What is drawn on the skin.
+    whole_skin
+        The uncut skin at rest.
     corners
         The corners of what is cut.
     kept
@@ -72,6 +74,7 @@ class PlateScene:
     marks: SkinMarks
     threads: SutureThread
     hooks: HookSteel
+    whole_skin: ClosestPoint
     corners: tuple[Corner, ...]
     kept: tuple[int, ...]
     axes: NDArray[np.float64]
@@ -98,11 +101,6 @@ class PlateScene:
         way = np.asarray(_LIGHT) @ self.axes
         unit: NDArray[np.float64] = way / np.linalg.norm(way)
         return unit
-
-    @cached_property
-    def whole_skin(self) -> ClosestPoint:
-        """The uncut skin at rest."""
-        return _whole_skin(self.source)
 
     @property
     def goes_on(self) -> bool:
@@ -144,11 +142,6 @@ class PlateScene:
             Where they lie in mm, shape (k, 3); NaN where the tissue is gone.
         """
         return followed(self.source, self.whole_skin.query(places)[1], time)
-
-
-def _whole_skin(source: SkinSource) -> ClosestPoint:
-    epoch = source.epochs[0]
-    return ClosestPoint(source.rest(epoch), epoch.triangles[epoch.origin == FaceOrigin.SKIN])
 
 
 def followed(source: SkinSource, places: NDArray[np.float64], time: float) -> NDArray[np.float64]:
@@ -212,8 +205,9 @@ def plate_scene(source: SkinCache, times: Sequence[float], view: str, size: tupl
     seen = np.stack([right, np.cross(field.normal, right), field.normal])
     scale = field.stitch_scale
     scale_on_paper = 0.5 * size[0] / half_angles(size)[0] / camera.distance
-    skin = _whole_skin(source)
-    corners = tuple(cut_corners(lines, field.normal, _CROWDED / scale_on_paper))
+    first = source.epochs[0]
+    skin = ClosestPoint(source.rest(first), first.triangles[first.origin == FaceOrigin.SKIN])
+    corners = tuple(cut_corners(lines, field.normal, _CROWDED / (scale_on_paper * nearest_zoom(field))))
     return PlateScene(
         source,
         field,
@@ -224,10 +218,27 @@ def plate_scene(source: SkinCache, times: Sequence[float], view: str, size: tupl
         SkinMarks(source),
         SutureThread(source, seen[0] + 0.6 * seen[1], scale, buried_sutures(source)),
         HookSteel(source, seen, field.center, scale),
+        skin,
         corners,
         tuple(_kept(source, skin, corner) for corner in corners),
         seen,
     )
+
+
+def nearest_zoom(field: SurgicalField) -> float:
+    """Tell how much nearer an operation on a body is seen where the body was recognized before.
+
+    Parameters
+    ----------
+    field
+        The surgical field.
+
+    Returns
+    -------
+    float
+        How many times larger; 1 where no body is shown around it.
+    """
+    return field.context ** (1.0 - _NEAR)
 
 
 def at_one_scale(scenes: Sequence[PlateScene]) -> list[PlateScene]:
