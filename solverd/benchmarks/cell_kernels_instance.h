@@ -165,12 +165,12 @@ struct CellParts {
   static void gather(const ElasticArrays<float>& arrays, std::int64_t begin, std::int64_t end, const float* field,
                      float* at) {
     for (std::int64_t group = begin; group < end; ++group)
-      gather_block<Number>(arrays.nodes_of(group, w), field, at + group * kNumbers, [] {});
+      gather_block<Number>(nodes_of(arrays, group, w), field, at + group * kNumbers, [] {});
   }
   static void scatter(const ElasticArrays<float>& arrays, std::int64_t begin, std::int64_t end, const float* sum,
                       float* field) {
     for (std::int64_t group = begin; group < end; ++group)
-      scatter_block<Number>(arrays.nodes_of(group, w), sum + group * kNumbers, field, [](int) {});
+      scatter_block<Number>(nodes_of(arrays, group, w), sum + group * kNumbers, field, [](int) {});
   }
 };
 

@@ -11,8 +11,9 @@ from lappet.designs import Schedule, limberg
 from lappet.designs.laid_design import flap_on_skin
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_operation import flap_on_patch, schedule, technique
-from lappet.designs.seam_sutures import suture_runs, sutures
+from lappet.designs.seam_sutures import suture_runs
 from lappet.designs.technique import Technique
+from lappet.designs.transposition import flap_operation
 from lappet.procedure import Suture, SutureRun
 from lappet.suturing import with_single_sutures
 from lappet.suturing.single_sutures import skin_of
@@ -25,7 +26,8 @@ def test_runs_have_the_stitches_that_the_seams_have_one_by_one(name: str) -> Non
     procedure = flap_on_patch(name, spacing=2.0)
     design = flap_on_skin(procedure.tissue, name, AT, ALONG)
     how = technique(design, 4.0, 2.0)
-    single = sutures(design, skin_of(procedure.tissue), schedule(design), how)
+    one_by_one = flap_operation(design, skin_of(procedure.tissue), schedule(design), replace(how, runs=False))
+    single = [event for event in one_by_one if isinstance(event, Suture)]
     places = np.array([suture.anchors for suture in single])
     found = [event for event in with_single_sutures(procedure).events if isinstance(event, Suture)]
     assert len(found) == len(single)

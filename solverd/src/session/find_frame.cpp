@@ -11,6 +11,7 @@
 
 #include "force/materials/material_models.h"
 #include "lattice/refused.h"
+#include "math/features.h"
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
@@ -152,6 +153,7 @@ class FrameSearch {
     while (const auto attempt = schedule.next()) {
       const int reached = try_once(*attempt, schedule);
       const EquilibriumOutcome& outcome = found_.outcome;
+      if (stalls(*attempt, reached)) go_off_ridge();
       std::string why = outcome.failure.message;
       if (outcome.converged && outcome.inverted > 0 && !attempt->from_rest) {
         why = fmt::format("{} cells are inverted", outcome.inverted);
@@ -176,6 +178,21 @@ class FrameSearch {
     if (outcome.failure.code != FailureCode::kIterations || load_step + 1 != attempt.load_steps) return false;
     const bool nearly = outcome.residual <= kNearly * options_.tolerance && outcome.gap <= options_.gap_tolerance;
     return nearly || !epoch_.constraints.divides(frame_, before_);
+  }
+
+  // Whether an attempt came to its end within the tolerances of forces and gaps, and no nearer by further steps.
+  bool stalls(const Attempt& attempt, int load_step) const {
+    const EquilibriumOutcome& outcome = found_.outcome;
+    return outcome.failure.code == FailureCode::kNoDescent && load_step + 1 == attempt.load_steps &&
+           outcome.residual <= options_.tolerance && outcome.gap <= options_.gap_tolerance;
+  }
+
+  // A ridge of the energy that falls slowly along it has an equilibrium beside it, on its lower side.
+  void go_off_ridge() {
+    if (!epoch_.system.pressures_have_energy(found_.state.u)) return;
+    find_mode(LowestModeSearch::thorough());
+    spdlog::debug("  stalls where the softest displacement keeps {:.2g} of its stiffness", lowest_);
+    if (lowest_ < kSaddle) leave_saddle(kEnergyRounding);
   }
 
   // Where the surface goes through itself at the start of an attempt it cannot be kept apart.

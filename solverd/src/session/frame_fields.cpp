@@ -1,5 +1,6 @@
 #include "session/frame_fields.h"
 
+#include "math/features.h"
 #include "session/surface_fields.h"
 
 namespace lappet {

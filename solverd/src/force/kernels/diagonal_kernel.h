@@ -1,5 +1,6 @@
 // The 3x3 diagonal blocks of the tangent, per node and symmetric (00 01 02 11 12 22): what smoothers divide by.
 #pragma once
+#include "force/kernels/array_access.h"
 #include "force/kernels/product_kernel.h"
 
 namespace lappet {
@@ -83,7 +84,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool k
       for (auto& row : node) store(Number(0), row);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Real *material = arrays.material_of(cell), *share = kShares ? arrays.share_of(cell, w) : nullptr;
+      const Real *material = material_of(arrays, cell), *share = kShares ? arrays.share_of(cell, w) : nullptr;
       const auto add = [&](int corner, const Number(&block)[6]) {
         for (int k = 0; k < 6; ++k) {
           Real* to = sum[block_node(place, corner)][k];
@@ -128,7 +129,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool k
         }
       }
     }
-    const GroupNodes nodes = arrays.nodes_of(group, w);
+    const GroupNodes nodes = nodes_of(arrays, group, w);
     nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
       for (int lane = 0; lane < w; ++lane) {
         Real* to = blocks + 6 * (row[lane] + shift);

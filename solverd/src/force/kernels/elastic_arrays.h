@@ -11,8 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "math/features.h"
-
 namespace lappet {
 
 // The tangent of a quadrature point: dP = U (T : U^T dF V) V^T, the rotations U and V as quaternions (w x y z).
@@ -83,15 +81,6 @@ struct ElasticArrays {
   const std::int32_t* quadratic_of = nullptr;  // [group][place]: index of a matrix, -1 for none; or null
   const Real* quadratics = nullptr;            // [index][36][lane], upper half by rows
 
-  // Forced into its callers, since the units of all instruction sets share it.
-  [[gnu::always_inline]] GroupNodes nodes_of(std::int64_t group, int lanes) const {
-    return {nodes + node_start[group], lanes,
-            !kHasMeshCells || node_start[group + 1] - node_start[group] == std::int64_t{kBlockColumns} * lanes};
-  }
-  // The record of what a place, [group][place] as one number, is made of.
-  [[gnu::always_inline]] const Real* material_of(std::int64_t place) const {
-    return kHasHeterogeneity ? material + place * material_stride : material;
-  }
   // The record of where a place has its quadrature points; only of a scene with shares.
   [[gnu::always_inline]] const Real* share_of(std::int64_t place, int lanes) const {
     return share + place * kShareFields * lanes;

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 
+#include "force/kernels/array_access.h"
 #include "force/kernels/cell_corners.h"
 #include "force/kernels/column_lanes_kernel.h"
 #include "math/matrix3.h"
@@ -164,7 +165,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool k
   alignas(64) Scalar at[kBlockNodes][3][w];
   alignas(64) Scalar sum[kBlockNodes][3][w];
   for (std::int64_t group = begin; group < end; ++group) {
-    const GroupNodes nodes = arrays.nodes_of(group, w), next = arrays.nodes_of(std::min(group + 1, end - 1), w);
+    const GroupNodes nodes = nodes_of(arrays, group, w), next = nodes_of(arrays, std::min(group + 1, end - 1), w);
     TangentAhead tangents{
         reinterpret_cast<const char*>(arrays.tangent + group * kBlockCells * points * kTangentFields * w) +
         kBytesAhead};
@@ -174,7 +175,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool k
       for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Scalar *material = arrays.material_of(cell), *share = kShares ? arrays.share_of(cell, w) : nullptr;
+      const Scalar *material = material_of(arrays, cell), *share = kShares ? arrays.share_of(cell, w) : nullptr;
       fetch_nodes<Number>(next, place, x, y);
       Number corners[3][8], result[3][8], df[9];
       for (int i = 0; i < 3; ++i)

@@ -3,6 +3,7 @@
 // The arithmetic may be wider than what is stored: a float session evaluates in double, so that the energy of the line
 // search and the residual keep their digits, `width` lanes of the layout in several batches.
 #pragma once
+#include "force/kernels/array_access.h"
 #include "force/kernels/cell_corners.h"
 #include "force/kernels/product_kernel.h"
 #include "force/materials/fiber.h"
@@ -74,7 +75,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
   double energy = 0.0;
   for (std::int64_t group = begin; group < end; ++group)
     for (int lane = 0; lane < width; lane += b) {
-      const GroupNodes nodes = arrays.nodes_of(group, width);
+      const GroupNodes nodes = nodes_of(arrays, group, width);
       nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
         for (int k = 0; k < b; ++k) {
           const Real* from = u + 3 * (row[lane + k] + shift);
@@ -86,7 +87,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
       Number group_energy(0);
       for (int place = 0; place < kBlockCells; ++place) {
         const std::int64_t cell = group * kBlockCells + place;
-        const Real* material = arrays.material_of(cell) + lane;
+        const Real* material = material_of(arrays, cell) + lane;
         const Moduli<Number> moduli = load_moduli<Number>(material, width);
         const Number volume = load<Number>(arrays.volume + cell * width + lane);
         const auto present = volume > Number(0);
@@ -216,7 +217,7 @@ template <class Number, class Model, bool kOnePoint, bool kFibers>
   const int points = kOnePoint ? 1 : arrays.points;
   const Number scale(Real(1.0 / (16.0 * arrays.spacing * arrays.spacing)));
   for (std::int64_t cell = begin * kBlockCells; cell < end * kBlockCells; ++cell) {
-    const Real* material = arrays.material_of(cell);
+    const Real* material = material_of(arrays, cell);
     const Moduli<Number> moduli = load_moduli<Number>(material, w);
     const Number volume = load<Number>(arrays.volume + cell * w) * scale;
     for (int q = 0; q < points; ++q) {

@@ -9,6 +9,7 @@
 
 #include "lattice/node_field.h"
 #include "math/disjoint_sets.h"
+#include "math/features.h"
 #include "math/parallel.h"
 #include "math/rigid_motion.h"
 #include "solve/system/vectors.h"
@@ -63,6 +64,11 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
   clusters_ = ResidualClusters(lattice, elastic_.materials(), fragment_of_node_);
   interrupt.check();
   rebuild_constraints();
+}
+
+template <class Real>
+const Contact* System<Real>::contact() const {
+  return kHasContact ? contact_.get() : nullptr;
 }
 
 template <class Real>

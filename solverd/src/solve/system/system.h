@@ -9,7 +9,6 @@
 #include "force/constraints/attachments.h"
 #include "force/constraints/loaded_faces.h"
 #include "force/elastic/elastic.h"
-#include "math/features.h"
 #include "solve/system/evaluation.h"
 #include "solve/system/multipliers.h"
 #include "solve/system/penalty_rows.h"
@@ -72,7 +71,7 @@ class System {
   void place_bones(std::span<const Eigen::Matrix4d> motions) {
     if (contact_) contact_->place_bones(motions);
   }
-  const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
+  const Contact* contact() const;
   // What the surface does to itself; null: it passes through itself. A restricted system has none.
   void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
   // Null also while it is suspended, as in the search for a frame in which nothing may meet (session/find_frame.cpp).
