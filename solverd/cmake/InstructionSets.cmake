@@ -1,5 +1,5 @@
 # The instruction sets that kernels are compiled for, beside plain C++ (math/instruction_set.h). A kernel file says its set
-# at the end of its name. LAPPET_INSTRUCTION_SETS leaves some out, for yardsticks and sanitizers: each takes minutes.
+# at the end of its name. LAPPET_INSTRUCTION_SETS leaves some out, for sanitizers: each takes minutes.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(lappet_sets sse42 avx2 avx512)
 elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")

@@ -27,13 +27,13 @@ function(lappet_sources_that_include header result)
   set(${result} "${reached}" PARENT_SCOPE)
 endfunction()
 
-# lappet_yardstick(NAME feature...): the program lappet-solverd-NAME, which is without the features. Its kernels are those
-# of the instruction sets that callgrind knows; what it has besides is the whole daemon's.
+# lappet_yardstick(NAME feature...): the program lappet-solverd-NAME, which is without the features. Of the kernels that
+# goes for one instruction set, which callgrind knows; the others are the whole daemon's.
 function(lappet_yardstick name)
   lappet_sources_that_include(math/features.h sources)
   lappet_of_this_platform(sources)
   lappet_instruction_set_flags(sources)
-  list(FILTER sources EXCLUDE REGEX "_(avx512|scalar)\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "_(sse42|avx512|scalar)\\.cpp$")
   list(JOIN ARGN "," left_out)
   add_executable(lappet-solverd-${name} EXCLUDE_FROM_ALL "${main_file}" ${sources})
   target_compile_definitions(lappet-solverd-${name} PRIVATE LAPPET_LEFT_OUT="${left_out}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import platform
 import shutil
 import subprocess
 from dataclasses import replace
@@ -22,7 +23,7 @@ from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene
 from lappet.reports.economy.files import write_economy
-from lappet.reports.economy.instructions import callgrind_costs, count_instructions, why_not
+from lappet.reports.economy.instructions import callgrind_costs, count_instructions, isa_to_count, why_not
 from lappet.reports.economy.measurement import AGREEMENT, absence, economy
 from lappet.reports.economy.scenes import FEATURES, Feature, plain
 from lappet.reports.report_files import head
@@ -242,6 +243,8 @@ def yardstick(name: str) -> Path:
     """A daemon built without some features, of the objects of the whole one but for those that read what is left out."""
     if shutil.which("cmake") is None or not (CHECKOUT / "build" / "build.ninja").is_file():
         pytest.skip("the daemon is not built in the checkout, so no yardstick can be")
+    if platform.machine() in ("x86_64", "AMD64") and isa_to_count() != "avx2":
+        pytest.skip("the yardsticks' kernels are those of AVX2, which this processor or LAPPET_ISA does without")
     program = f"lappet-solverd-{name}"
     done = subprocess.run(
         ["cmake", "--build", str(CHECKOUT / "build"), "--target", program], capture_output=True, text=True, check=False

@@ -46,7 +46,8 @@ constexpr double kAtEnd = 0.8;
 constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
 // A search that is within its tolerances of forces and gaps ends where in so many steps neither the displacement still
 // to come has fallen to this share nor the energy by what its rounding leaves of it: along a curved valley, as of
-// fibers that are much stiffer than what is around them, a definite tangent makes many steps of about one size.
+// fibers that are much stiffer than what is around them, a definite tangent makes many steps of about one size. Where
+// it grows by as much the tissue leaves a ridge, slowly at first.
 constexpr double kNearer = 0.7;
 constexpr int kMaxArrivals = 6;
 // Share of a step: one of which less was taken may have left a valley that bends.
@@ -118,7 +119,7 @@ class EquilibriumSearch {
       if (options_.neighborhood_first && !arriving && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
       if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton) return fail_late();
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
-      if (arriving && !comes_nearer())
+      if (arriving && !goes_on())
         return fail(FailureCode::kNoDescent,
                     fmt::format("the displacement still to come stays at {:.2g} mm{}", outcome_.to_come, rounding()));
       const bool solved = arriving ? outcome_.failure.code == FailureCode::kNone : solve_tangent(carries, false);
@@ -217,10 +218,10 @@ class EquilibriumSearch {
     }
   }
 
-  // False once many steps within the tolerances of forces and gaps were of no use to the displacement still to come.
-  bool comes_nearer() {
-    if (outcome_.to_come < kNearer * nearest_) {
-      nearest_ = outcome_.to_come;
+  // False once many steps within the tolerances of forces and gaps neither brought it nearer nor away from a ridge.
+  bool goes_on() {
+    if (outcome_.to_come < kNearer * to_come_at_arrival_ || kNearer * outcome_.to_come > to_come_at_arrival_) {
+      to_come_at_arrival_ = outcome_.to_come;
       arrivals_ = 0;
     }
     if (now_.energy < energy_at_arrival_ - line_.rounding(now_.energy)) {
@@ -514,7 +515,7 @@ class EquilibriumSearch {
   Evaluation now_;
   bool jumped_ = false, neighborhood_tried_ = false;
   bool went_on_ = false;  // the search began where the last motion leads
-  double nearest_ = std::numeric_limits<double>::infinity();
+  double to_come_at_arrival_ = std::numeric_limits<double>::infinity();
   double energy_at_arrival_ = std::numeric_limits<double>::infinity();  // from which a fall is counted
   int arrivals_ = 0;
   bool whole_ = true;               // the last step was a whole one with the exact tangent, or none was made
