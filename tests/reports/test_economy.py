@@ -240,7 +240,7 @@ def test_a_daemon_built_without_a_feature_refuses_a_scene_that_needs_it(feature:
 
 
 def yardstick(name: str) -> Path:
-    """A daemon built without some features, of the objects of the whole one but for those that read what is left out."""
+    """A daemon without some features, of the objects of the whole one but for those that read what is left out."""
     if shutil.which("cmake") is None or not (CHECKOUT / "build" / "build.ninja").is_file():
         pytest.skip("the daemon is not built in the checkout, so no yardstick can be")
     if platform.machine() in ("x86_64", "AMD64") and isa_to_count() != "avx2":
