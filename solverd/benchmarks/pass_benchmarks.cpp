@@ -142,19 +142,13 @@ std::vector<Pass<Real>> passes(InstructionSet set) {
                     c.elastic->kernels().multiply(c.arrays, begin, end, c.x, c.y);
                   }});
   const double evaluated = r * (8 + 3 + 2), forces = 3 * r + 2 * 4 * sizeof(double);
-  list.push_back({"evaluate", "double", evaluated, forces, count.evaluate_double,
+  list.push_back({"evaluate", "double", evaluated, forces, count.evaluate,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
                     StateSums sums;
                     c.elastic->kernels().evaluate(c.arrays, begin, end, c.x, c.gradient, c.magnitude, sums);
                     benchmark::DoNotOptimize(sums);
                   }});
   if (!is_float) return list;
-  list.push_back({"evaluate", "float", evaluated, forces, count.evaluate_float,
-                  [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
-                    StateSums sums;
-                    c.elastic->kernels().evaluate_fast(c.arrays, begin, end, c.x, c.gradient, c.magnitude, sums);
-                    benchmark::DoNotOptimize(sums);
-                  }});
   list.push_back({"stress_derivative", precision, r * (3 + 1 + 12), 0.0, count.stress_derivative,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
                     c.elastic->kernels().linearize(c.arrays, begin, end, PsdProjection::kClamp);

@@ -26,11 +26,7 @@ PassOperations count_pass_operations() {
   using Float = Counted<float>;
   using Double = Counted<double>;
   PassOperations result{};
-  result.evaluate_float = counted(0.0f, [&] {
-    evaluate_groups<Float, float, 1, NeoHookean, true, false, false, false>(arrays, 0, groups, u.data(),
-                                                                            gradient.data(), magnitude.data(), sums);
-  });
-  result.evaluate_double = counted(0.0, [&] {
+  result.evaluate = counted(0.0, [&] {
     evaluate_groups<Double, float, 1, NeoHookean, true, false, false, false>(arrays, 0, groups, u.data(),
                                                                              gradient.data(), magnitude.data(), sums);
   });

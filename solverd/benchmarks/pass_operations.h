@@ -5,7 +5,7 @@
 namespace lappet {
 
 struct PassOperations {
-  double product, evaluate_float, evaluate_double, stress_derivative, diagonal;
+  double product, evaluate, stress_derivative, diagonal;
 };
 PassOperations count_pass_operations();
 

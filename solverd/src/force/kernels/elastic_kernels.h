@@ -25,8 +25,7 @@ struct ElasticKernels {
   using Evaluate = void (*)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, const Real* u,
                             double* gradient, double* magnitude, StateSums&);
   int lanes = 1;
-  Evaluate evaluate = nullptr;       // in double
-  Evaluate evaluate_fast = nullptr;  // in Real
+  Evaluate evaluate = nullptr;  // in double
   void (*linearize)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, PsdProjection) = nullptr;
   void (*multiply)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, const Real* x, Real* y) = nullptr;
   void (*diagonal)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Real* blocks) = nullptr;

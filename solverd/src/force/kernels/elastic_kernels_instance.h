@@ -46,8 +46,6 @@ inline void fill_kernels(const SceneFeatures& features, ElasticKernels<Real>& ke
     kernels.project = &project_cells<Narrow, one_point(), fibers(), prestretched(), shares()>;
     MaterialModels::with(features.model, [&]<class Model>() {
       kernels.evaluate = &evaluate_groups<Wide, Real, width, Model, one_point(), fibers(), prestretched(), shares()>;
-      kernels.evaluate_fast =
-          &evaluate_groups<Narrow, Real, width, Model, one_point(), fibers(), prestretched(), shares()>;
       kernels.linearize = &linearize_groups<Narrow, Model, one_point(), fibers()>;
     });
   });
