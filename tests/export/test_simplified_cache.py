@@ -235,8 +235,9 @@ def test_what_is_asked_for_is_a_number_of_triangles_or_millimetres(cache: SkinCa
     assert SimplifyTarget.of("20000") == SimplifyTarget(triangles=20000)
     assert SimplifyTarget.of(" 0.2 mm") == SimplifyTarget(error_mm=0.2)
     for text in ("0.2", "12", "-5mm", "0mm", "much", "1e3", "200mm"):
-        with pytest.raises(ValueError, match="neither a number of triangles"):
+        with pytest.raises(RefusedError) as refused:
             SimplifyTarget.of(text)
+        assert refused.value.problems[0].code == ProblemCode.EXPORT_SIMPLIFY_TARGET
     arguments = ["export", str(cache.path), "-o", str(tmp_path / "x.stl"), "--simplify", "much"]
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 2
