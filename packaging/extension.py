@@ -1,4 +1,4 @@
-"""Make the zip that Blender installs: `extension.py [--platform P] [--lappet-wheel FILE] [--output DIR]`.
+"""Make the zip that Blender installs: `extension.py [--platform P] [--lappet-wheel FILE] [--website URL]`.
 
 The add-on's sources, its manifest with the list of wheels filled in, the wheels (Lappet with its daemon, and what it
 imports) and a bill of materials. Blender's own tool builds and checks it. Without `--lappet-wheel` the daemon is
@@ -81,31 +81,48 @@ def for_extension(wheel: Path, into: Path) -> Path:
     return edited(wheel, into, strip)
 
 
-def with_wheels(manifest: str, wheels: list[str], platform: str) -> str:
+def valid_tags(tool: Path) -> Path:
+    """The tags of Get Extensions, a file that comes with `blender_ext.py`, which checks them only when told."""
+    return tool.parents[3] / "modules" / "_bpy_internal" / "extensions" / "tags.py"
+
+
+def website_address(text: str) -> str:
+    """The address of a website; raises ArgumentTypeError for one that does not begin with https://."""
+    if not re.fullmatch(r"https://[\w.-]+(/\S*)?", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is no website; give an address such as https://example.org/lappet")
+    return text
+
+
+def with_wheels(manifest: str, wheels: list[str], platform: str, website: str = "") -> str:
     """The manifest's text with `platforms` and `wheels` before its first table, where keys of the whole file stand.
 
-    Raises ValueError where it has them already, or where its version is not the project's.
+    website: where documentation, sources and support are, written too unless it is empty; whoever publishes knows it.
+    Raises ValueError where it has one of them already, or where its version is not the project's.
     """
     values = tomllib.loads(manifest)
-    for key in ("platforms", "wheels"):
+    for key in ("platforms", "wheels", "website"):
         if key in values:
             raise ValueError(f"{MANIFEST} names {key}; packaging/extension.py writes them, so take that line out.")
     if values["version"] != project_version():
         raise ValueError(
             f"{MANIFEST} says version {values['version']} and pyproject.toml {project_version()}; make them the same."
         )
-    lines = [f"platforms = {json.dumps([platform])}", "wheels = ["]
+    lines = [f"website = {json.dumps(website)}"] if website else []
+    lines += [f"platforms = {json.dumps([platform])}", "wheels = ["]
     lines += [f"  {json.dumps(f'./wheels/{name}')}," for name in wheels]
     head, table, tail = manifest.partition("\n[")
     return "\n".join([head.rstrip(), *lines, "]", ""]) + table + tail
 
 
-def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], addon: Path = ADDON) -> Path:
+def assemble(
+    platform: str, lappet: Path, output: Path, *, others: list[Path], addon: Path = ADDON, website: str = ""
+) -> Path:
     """Make, build and validate the zip of a platform, and return its path in the folder `output`.
 
     platform: Blender's name, a key of PLATFORMS. lappet: the wheel of Lappet for it. others: the wheels of other
-    projects. addon: the add-on's folder. Raises ValueError for a wheel of another platform, LookupError for one of
-    unknown license, CalledProcessError, after Blender's tool has printed why, where that refuses the extension.
+    projects. addon: the add-on's folder. website: for its manifest. Raises ValueError for a wheel of another platform,
+    LookupError for one of unknown license, CalledProcessError, after Blender's tool has printed why, where that refuses
+    the extension.
     """
     tag = lappet.stem.split("-")[-1]
     runs_on = re.compile({"linux": "manylinux_", "macos": "macosx_", "windows": "win_"}[platform.partition("-")[0]])
@@ -124,11 +141,11 @@ def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], a
             shutil.copyfile(wheel, staged / "wheels" / wheel.name)
         names = sorted([ours.name, *(wheel.name for wheel in others)])
         text = (staged / MANIFEST).read_text(encoding="utf-8")
-        (staged / MANIFEST).write_text(with_wheels(text, names, platform), encoding="utf-8")
+        (staged / MANIFEST).write_text(with_wheels(text, names, platform, website), encoding="utf-8")
         bill = sbom.of_extension(staged, project_version())
         (staged / sbom.NAME).write_text(sbom.text(bill), encoding="utf-8")
         _blender_tool(tool, "build", f"--source-dir={staged}", f"--output-filepath={made}")
-    _blender_tool(tool, "validate", str(made))
+    _blender_tool(tool, "validate", str(made), f"--valid-tags={valid_tags(tool)}")
     return made
 
 
@@ -157,6 +174,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--platform", choices=sorted(PLATFORMS), default="linux-x64")
     parser.add_argument("--lappet-wheel", type=Path, help="Lappet's wheel for the platform, built on it")
+    parser.add_argument("--website", type=website_address, help="where documentation and sources are: https://…")
     parser.add_argument("--output", type=Path, default=ROOT / "dist")
     given = parser.parse_args(arguments)
     try:
@@ -166,7 +184,9 @@ def main(arguments: list[str] | None = None) -> int:
                 f"packaging/cross/build.sh and packaging/cross_wheel.py, and name it with --lappet-wheel."
             )
         lappet = given.lappet_wheel or lappet_wheel.portable(lappet_wheel.built())
-        made = assemble(given.platform, lappet, given.output, others=bundled(given.platform, CACHE))
+        made = assemble(
+            given.platform, lappet, given.output, others=bundled(given.platform, CACHE), website=given.website or ""
+        )
     except (ValueError, LookupError, FileNotFoundError) as error:
         print(f"extension: {error}", file=sys.stderr)
         return 1

@@ -16,8 +16,10 @@ from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import DaemonMissing
 from lappet.daemon.process import find_daemon
+from lappet.export.simplify_target import SimplifyTarget
 from lappet_blender.plates import output_jobs
 from lappet_blender.plates.command_job import CommandJob, find_command
+from lappet_blender.translation.dictionary import LANGUAGES, messages
 from refusals import refusal
 
 TOP = 2.0
@@ -183,6 +185,40 @@ def test_solved_frames_become_what_the_operators_say(
     assert film.read_text() == f"film True -o {film} --style wash --size 1920x1080 --fps 4 --pause 2"
     ops.export_result(filepath=str(lesson), wait=True)
     assert lesson.read_text() == f"export True -o {lesson}"
+
+
+def test_a_skin_is_simplified_on_the_way_out_as_the_command_line_does_it(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is asked for goes to the command as it was written; the frames are not looked for here."""
+    monkeypatch.setattr(output_jobs, "write_request", lambda _request, cache: cache.write_text(""))
+    monkeypatch.setenv("PATH", str(program(tmp_path / "bin", DRAWS).parent))
+    target = tmp_path / "c.glb"
+    for wanted in ("20000", "0.2mm"):
+        assert ops.export_result(filepath=str(target), simplify=f" {wanted} ", wait=True) == {"FINISHED"}
+        assert target.read_text() == f"export True -o {target} --simplify {wanted}"
+        assert SimplifyTarget.of(wanted) in (SimplifyTarget(triangles=20000), SimplifyTarget(error_mm=0.2))
+    ops.export_result(filepath=str(target), simplify="  ", wait=True)
+    assert target.read_text() == f"export True -o {target}"
+
+
+def test_what_the_command_line_would_not_simplify_is_refused_before_anything_begins(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(program(tmp_path / "bin", DRAWS).parent))
+    for wanted in ("much", "12", "0.2", "200mm"):
+        found = refusal(lambda w=wanted: ops.export_result(filepath=str(tmp_path / "x.glb"), simplify=w))
+        assert (found.code, found.value) == (ProblemCode.EXPORT_SIMPLIFY_TARGET, wanted)
+    found = refusal(lambda: ops.export_result(filepath=str(tmp_path / "x.csv"), simplify="20000"))
+    assert found.code is ProblemCode.EXPORT_OPTION
+    assert output_jobs.last_job() is None
+
+
+def test_the_options_of_an_export_are_shown_in_the_language_of_the_interface(addon: None) -> None:
+    shown = ops.export_result.get_rna_type().properties
+    for name in ("every_frame", "simplify"):
+        for text in (shown[name].name, shown[name].description):
+            assert len(messages()[text]) == len(LANGUAGES)
 
 
 def test_the_command_line_of_this_version_draws_a_plate_that_blender_made(

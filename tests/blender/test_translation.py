@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -25,15 +24,12 @@ _NAMES = {"B-spline", "Bézier", "Corotated", "Elsevier", "Mooney–Rivlin", "Ne
 _NAMES |= {"Stable neo-Hookean", *THREADS}
 # Fields that no panel shows: scripts set them.
 _HIDDEN = {"Second Edge From", "First Inside", "Second Inside", "Told", "Last manifest", "Identifier"}
-_FLAPS = tuple(name.replace("-", "_") for name in DESIGNS)
 
 
 def classes() -> Iterator[Any]:
-    """Every class that the add-on registers, but the operators of each flap: these are named after the library."""
+    """Every class that the add-on registers."""
     for part in lappet_blender._PARTS:
-        for each in import_module(f"lappet_blender.{part}.registration").CLASSES:
-            if not re.fullmatch(rf"LAPPET_OT_flap_(edit_)?({'|'.join(_FLAPS)})", each.__name__):
-                yield each
+        yield from import_module(f"lappet_blender.{part}.registration").CLASSES
 
 
 def labels(*kinds: type) -> set[str]:
@@ -64,7 +60,19 @@ def spoken() -> set[str]:
         words |= {
             node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
         }
-    return words | fields()
+    return words | fields() | labels(bpy.types.Operator) | flap_fields()
+
+
+def flap_fields() -> set[str]:
+    """The names of what the operators of the flap library ask for, and of what can be chosen there."""
+    found = set()
+    for name in DESIGNS:
+        for operator in (f"flap_{name}", f"flap_edit_{name}"):
+            for info in getattr(bpy.ops.lappet, operator.replace("-", "_")).get_rna_type().properties:
+                if info.identifier != "rna_type" and not info.is_hidden:
+                    found.add(info.name)
+                    found |= {item.name for item in info.enum_items} if info.type == "ENUM" else set()
+    return found
 
 
 def test_every_label_of_a_panel_a_menu_and_an_operator_is_translated(addon: None) -> None:
@@ -74,6 +82,17 @@ def test_every_label_of_a_panel_a_menu_and_an_operator_is_translated(addon: None
 
 def test_every_field_and_choice_that_is_shown_is_translated(addon: None) -> None:
     assert fields() - set(messages()) - _NAMES - _HIDDEN == set()
+
+
+def test_every_flap_and_what_it_asks_for_is_translated(addon: None) -> None:
+    """Each design by its title, its measures by their names, in each language of the plates' catalogue."""
+    titles = {design.title for design in DESIGNS.values()}
+    assert titles | flap_fields() - set(messages()) == titles
+    made = blender_dictionary()
+    assert made["de_DE"]["Operator", "Limberg flap"] == "Limberg-Lappen"
+    assert made["fr_FR"]["Operator", "Edit Limberg flap"] == "Modifier: Lambeau de Limberg"
+    for texts in made.values():
+        assert {texts["Operator", title] for title in titles if "plasty" not in title}.isdisjoint(titles)
 
 
 def test_nothing_is_translated_that_the_interface_does_not_say_any_more(addon: None) -> None:

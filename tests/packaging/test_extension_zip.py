@@ -71,7 +71,13 @@ def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path)
     with zipfile.ZipFile(other, "w") as archive:
         headers = "Metadata-Version: 2.4\nName: pyzmq\nVersion: 27.3.0\nLicense-Expression: BSD-3-Clause\n"
         archive.writestr("pyzmq-27.3.0.dist-info/METADATA", headers)
-    made = assemble("windows-x64", small_wheel(tmp_path, "win_amd64"), tmp_path / "dist", others=[other])
+    made = assemble(
+        "windows-x64",
+        small_wheel(tmp_path, "win_amd64"),
+        tmp_path / "dist",
+        others=[other],
+        website="https://a.example/b",
+    )
     assert made.name == f"lappet_blender-{extension.project_version()}-windows-x64.zip"
     with zipfile.ZipFile(made) as archive:
         names = archive.namelist()
@@ -81,6 +87,7 @@ def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path)
             held = wheel.namelist()
             metadata = wheel.read(next(name for name in held if name.endswith("METADATA"))).decode()
     assert manifest["platforms"] == ["windows-x64"]
+    assert manifest["website"] == "https://a.example/b"
     assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in names if name.startswith("wheels/"))
     assert {"__init__.py", "LICENSE", "sbom.cdx.json", "wheels/" + other.name} <= set(names)
     assert not [name for name in names if "__pycache__" in name or name.startswith("tests/")]
@@ -138,6 +145,48 @@ def test_the_manifest_states_what_the_project_does_and_every_key_stays() -> None
     assert all(len(reason) <= 64 and reason[-1].isalnum() for reason in manifest["permissions"].values())
     filled = tomllib.loads(with_wheels(text, ["a.whl"], "linux-x64"))
     assert filled == {**manifest, "platforms": ["linux-x64"], "wheels": ["./wheels/a.whl"]}
+    known = tomllib.loads(with_wheels(text, ["a.whl"], "linux-x64", "https://a.example"))
+    assert known == {**filled, "website": "https://a.example"}
+
+
+def validated(folder: Path) -> subprocess.CompletedProcess[str]:
+    """What Blender's own tool says of an extension, with the tags of Get Extensions."""
+    tool = extension.blender_extension_tool()
+    command = [sys.executable, str(tool), "validate", str(folder), f"--valid-tags={extension.valid_tags(tool)}"]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_blenders_tool_takes_the_manifest_as_get_extensions_does(tmp_path: Path) -> None:
+    text = (extension.ADDON / extension.MANIFEST).read_text(encoding="utf-8")
+    (tmp_path / "__init__.py").touch()
+    (tmp_path / extension.MANIFEST).write_text(with_wheels(text, [], "linux-x64", "https://a.example"))
+    done = validated(tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert set(tomllib.loads(text)["permissions"]) == {"files", "network"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"Physics"', '"Surgery"'),
+        ("on this computer only", "on this computer only."),
+        ("network =", "telephone ="),
+        ('tagline = "Plan', 'tagline = "' + "Carefully plan, " * 4 + "Plan"),
+    ],
+)  # fmt: skip
+def test_what_get_extensions_would_send_back_is_found(tmp_path: Path, old: str, new: str) -> None:
+    text = (extension.ADDON / extension.MANIFEST).read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "__init__.py").touch()
+    (tmp_path / extension.MANIFEST).write_text(text.replace(old, new))
+    assert validated(tmp_path).returncode != 0
+
+
+@pytest.mark.parametrize("text", ["", "lappet", "http://a.example", "https://", "https://a.example/b c"])
+def test_what_is_no_address_is_no_website(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        extension.main(["--website", text])
+    assert f"{text!r} is no website" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

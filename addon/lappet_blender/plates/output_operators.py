@@ -12,7 +12,8 @@ from bpy_extras.io_utils import ExportHelper
 
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
-from lappet.export.formats import EXPORTERS, exporter_of
+from lappet.export.formats import EXPORTERS, check_options, exporter_of
+from lappet.export.simplify_target import SimplifyTarget
 
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..model.plate_properties import STYLES
@@ -112,7 +113,20 @@ class LAPPET_OT_export_result(_Output, bpy.types.Operator):
     filter_glob: StringProperty(default=";".join(f"*{each.suffix}" for each in EXPORTERS), options={"HIDDEN"})
     suffix: StringProperty(name="Suffix", default=".html", options={"HIDDEN", "SKIP_SAVE"})
     every_frame: BoolProperty(name="Every Frame", description="A mesh for every frame, numbered", default=False)
+    simplify: StringProperty(
+        name="Simplify",
+        description="Leave triangles out: how many may stay (20000), or how far it may be off (0.2mm); empty for none",
+    )
     wait: _wait()
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Show the options that the format has."""
+        path = Path(self.filepath)
+        known = next((each.options for each in EXPORTERS if each.suffix == path.suffix.lower()), frozenset())
+        self.layout.use_property_split = True
+        for name in ("every_frame", "simplify"):
+            if name in known:
+                self.layout.prop(self, name)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         blend = Path(bpy.data.filepath or "operation.blend")
@@ -124,6 +138,11 @@ class LAPPET_OT_export_result(_Output, bpy.types.Operator):
         target = Path(bpy.path.abspath(self.filepath))
         exporter = exporter_of(target)
         more = ["--every-frame"] if self.every_frame and "every_frame" in exporter.options else []
+        wanted = self.simplify.strip()
+        if wanted:
+            check_options(target, ["simplify"])
+            SimplifyTarget.of(wanted)
+            more += ["--simplify", wanted]
         begin_output(context.scene, target, lambda cache: ["export", str(cache), "-o", str(target), *more])
 
 

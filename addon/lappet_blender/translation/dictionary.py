@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
-FILES = ("labels.toml", "tips.toml")
+from lappet.designs.library import DESIGNS
+
+FILES = ("labels.toml", "tips.toml", "flaps.toml")
 # The languages of each row of the files, in order, with the names that versions of Blender give them.
 LANGUAGES = (("de", ("de_DE",)), ("fr", ("fr_FR",)), ("es", ("es", "es_ES")), ("zh", ("zh_HANS", "zh_CN")))
 CONTEXTS = ("*", "Operator", "Lappet")  # of fields and tips; of buttons; of panels
@@ -20,7 +22,16 @@ def messages() -> Mapping[str, tuple[str, ...]]:
     for name in FILES:
         read = tomllib.loads((Path(__file__).parent / name).read_text(encoding="utf-8"))
         found |= {message: tuple(texts) for message, texts in read.items()}
-    return found
+    return found | _edits(found)
+
+
+def _edits(known: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    """What the operators are called that edit a laid flap: the verb and the flap, whatever a language does to it."""
+    edit = known["Edit"]
+    return {
+        f"Edit {design.title}": tuple(f"{verb}: {name}" for verb, name in zip(edit, known[design.title], strict=True))
+        for design in DESIGNS.values()
+    }
 
 
 def blender_dictionary() -> dict[str, dict[tuple[str, str], str]]:

@@ -102,14 +102,16 @@ class Simplification(click.ParamType):
         Any
             The `SimplifyTarget`.
         """
+        from lappet.core.problem import RefusedError
         from lappet.export.simplify_target import SimplifyTarget
 
         if isinstance(value, SimplifyTarget):
             return value
         try:
             return SimplifyTarget.of(str(value))
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
+        except RefusedError as error:
+            (found,) = error.problems
+            self.fail(f"{found.message} {found.remedy}", param, ctx)
 
 
 class PlaneNumbers(click.ParamType):

@@ -643,6 +643,7 @@ class ProblemCode(StrEnum):
     EXPORT_PICTURE = auto()
     EXPORT_NO_MESHOPT = auto()
     EXPORT_SIMPLIFY = auto()
+    EXPORT_SIMPLIFY_TARGET = auto()
     EXPORT_SIMPLIFIED = auto()
 
     # texts/lessons.toml

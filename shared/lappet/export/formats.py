@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
 from lappet.core.problem import refused
@@ -159,12 +160,31 @@ def export(request: ExportRequest) -> list[Path]:
     if len(request.caches) > exporter.most_caches:
         count, most = len(request.caches), exporter.most_caches
         raise refused(ProblemCode.EXPORT_CACHES, request.target, count, most=most, suffix=exporter.suffix)
-    for name in request.options:
+    check_options(request.target, request.options)
+    return exporter.load()(request)
+
+
+def check_options(target: Path, names: Iterable[str]) -> None:
+    """Refuse options that the format of a file does not have.
+
+    Parameters
+    ----------
+    target
+        The file to write.
+    names
+        Names of the options that were chosen.
+
+    Raises
+    ------
+    RefusedError
+        If no format has the file's suffix, or the format has no option of one of the names.
+    """
+    exporter = exporter_of(target)
+    for name in names:
         if name not in exporter.options:
             known = ", ".join(f"--{_spelled(each)}" for each in sorted(exporter.options)) or "none"
             option = f"--{_spelled(name)}"
-            raise refused(ProblemCode.EXPORT_OPTION, request.target, option, suffix=exporter.suffix, known=known)
-    return exporter.load()(request)
+            raise refused(ProblemCode.EXPORT_OPTION, target, option, suffix=exporter.suffix, known=known)
 
 
 def _spelled(name: str) -> str:

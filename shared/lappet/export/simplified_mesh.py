@@ -14,16 +14,23 @@ from numpy.typing import NDArray
 
 from lappet.export.meshopt_package import meshopt
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.surface_check import pinched_vertices, unpaired_edges
 from lappet.geometry.unique_rows import unique_rows
 
 _STATES = 11  # the package takes 32 attributes: three for each state but the first
 _APART = 2e-5  # mm
+_ROUNDS = 20  # of simplifying again where it was pinched; after these the mesh stays whole
+_LOCKED = 1  # the package's flag of a vertex that stays
 
 
 def simplified_triangles(
     triangles: NDArray[np.int32], place: NDArray[np.int64], states: NDArray[np.float32], most: int, error_mm: float
 ) -> NDArray[np.int32]:
     """Leave triangles of a moving mesh out, by collapsing edges towards one of their ends.
+
+    A watertight mesh stays so. The package collapses an edge also where its ends have a neighbor in common that is in
+    neither of the edge's triangles; that pinches a thin part to an edge of four triangles, or to a point. Where this
+    has happened, the mesh is simplified again with all of the vertices around that place kept.
 
     Parameters
     ----------
@@ -35,7 +42,8 @@ def simplified_triangles(
     states
         Places in mm, shape (f, p, 3).
     most
-        How many triangles may be left; there are more where no edge can go any more, or the error would be greater.
+        How many triangles may be left; there are more where no edge can go any more, the error would be greater, or
+        the surface would be pinched.
     error_mm
         How great the error may be by the measure of the quadrics, in mm.
 
@@ -49,6 +57,32 @@ def simplified_triangles(
     RefusedError
         If the package that does it is not installed.
     """
+    before = _pinched(place[triangles])
+    kept = np.zeros(states.shape[1], np.bool_)
+    for _ in range(_ROUNDS):
+        faces = _collapsed(triangles, place, states, kept, most, error_mm)
+        pinched = np.setdiff1d(_pinched(place[faces]), before)
+        if not len(pinched):
+            return faces
+        # The triangles at these places are then those of the whole mesh, and are pinched no more.
+        around = np.isin(place[triangles], pinched).any(axis=1)
+        kept[place[triangles[around]]] = True
+    return triangles
+
+
+def _pinched(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    return np.union1d(unpaired_edges(triangles), pinched_vertices(triangles))
+
+
+def _collapsed(
+    triangles: NDArray[np.int32],
+    place: NDArray[np.int64],
+    states: NDArray[np.float32],
+    kept: NDArray[np.bool_],
+    most: int,
+    error_mm: float,
+) -> NDArray[np.int32]:
+    """What the package leaves of a mesh; vertices at places that are kept do not go, shape (p,)."""
     package = meshopt("--simplify")
     chosen = np.unique(np.linspace(0, len(states) - 1, min(len(states), _STATES)).round().astype(np.int64))
     first = np.ascontiguousarray(_set_apart(states[chosen[0]])[place], np.float32)
@@ -69,6 +103,7 @@ def simplified_triangles(
         vertex_positions_stride=size(12),
         vertex_attributes_stride=size(4 * count),
         attribute_count=size(count),
+        vertex_lock=np.where(kept[place], np.uint8(_LOCKED), np.uint8(0)),
         target_index_count=size(3 * most),
         target_error=ctypes.c_float(error_mm),
         options=package.SIMPLIFY_ERROR_ABSOLUTE,

@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+
 LEAST = 100  # triangles
 
 
@@ -39,8 +42,8 @@ class SimplifyTarget:
 
         Raises
         ------
-        ValueError
-            If it is neither; the message says what is allowed.
+        RefusedError
+            If it is neither.
         """
         found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*(mm)?\s*", text)
         number = float(found[1]) if found else 0.0
@@ -48,6 +51,4 @@ class SimplifyTarget:
             return SimplifyTarget(error_mm=number)
         if found and not found[2] and number == int(number) and number >= LEAST:
             return SimplifyTarget(triangles=int(number))
-        raise ValueError(
-            f"{text!r} is neither a number of triangles, {LEAST} or more, such as 20000, nor an error such as 0.2mm."
-        )
+        raise refused(ProblemCode.EXPORT_SIMPLIFY_TARGET, "--simplify", text, least=LEAST)

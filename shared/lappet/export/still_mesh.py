@@ -18,6 +18,7 @@ from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import exported_cache, exported_frames
 from lappet.export.simplified_cache import simplified
 from lappet.export.threemf_package import threemf_package
+from lappet.geometry.surface_check import unpaired_edges
 from lappet.output.named_steps import operation_steps
 
 
@@ -109,12 +110,7 @@ def open_edges(triangles: NDArray[np.integer]) -> int:
     int
         The number; 0 for a watertight surface.
     """
-    start = triangles.ravel().astype(np.int64)
-    end = np.roll(triangles, -1, axis=1).ravel().astype(np.int64)
-    count = int(triangles.max(initial=0)) + 1
-    ahead, back = (np.unique(key, return_counts=True) for key in (start * count + end, end * count + start))
-    paired = np.isin(ahead[0], back[0][back[1] == 1]) & (ahead[1] == 1)
-    return int((~paired).sum())
+    return len(unpaired_edges(triangles))
 
 
 def _joined(points: NDArray[np.float32]) -> NDArray[np.int64]:

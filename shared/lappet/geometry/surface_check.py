@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.connected_labels import connected_labels
 from lappet.geometry.vectors import cross, dot, length, triangle_corners
 
 
@@ -78,6 +79,54 @@ def open_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
     edges = directed_edges(triangles)
     _, inverse, counts = unique_edges(edges)
     return edges[counts[inverse] == 1]
+
+
+def unpaired_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Find the edges that do not join exactly two triangles of one orientation: of holes, or of parts that touch.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertex pairs, each once in either direction in which it is found, shape (k, 2); none for a watertight surface.
+    """
+    edges = directed_edges(triangles)
+    count = int(edges.max(initial=0)) + 1
+    ahead, back = (np.unique(each, return_counts=True) for each in (edges @ (count, 1), edges @ (1, count)))
+    loose = ahead[0][~(np.isin(ahead[0], back[0][back[1] == 1]) & (ahead[1] == 1))]
+    return np.stack([loose // count, loose % count], axis=1)
+
+
+def pinched_vertices(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Find the vertices at which parts of a surface touch: their triangles make several fans.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertices, shape (k,); the ends of an edge of four triangles are among them.
+    """
+    ahead = np.asarray(triangles, np.int64)
+    start, end = ahead.ravel(), np.roll(ahead, -1, axis=1).ravel()
+    count = int(start.max(initial=0)) + 1
+    keys, first, times = np.unique(start * count + end, return_index=True, return_counts=True)
+    row = np.minimum(np.searchsorted(keys, end * count + start), len(keys) - 1)
+    alone = times[np.searchsorted(keys, start * count + end)] == 1
+    joined = alone & (keys[row] == end * count + start) & (times[row] == 1)
+    # Across the edge from a corner to the next one lies a triangle in which the edge ends at the same vertex.
+    across = first[row[joined]]
+    corner = across - across % 3 + (across + 1) % 3
+    fan = connected_labels(len(start), np.stack([np.flatnonzero(joined), corner], axis=1))
+    vertices, fans = np.unique(np.unique(np.stack([start, fan], axis=1), axis=0)[:, 0], return_counts=True)
+    return vertices[fans > 1]
 
 
 def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
