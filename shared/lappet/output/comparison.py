@@ -19,6 +19,8 @@ GREATEST = (
     0.99  # share of the skin's area whose tension is at most the "greatest": single points of a seam do not count
 )
 
+_UNBROKEN = "\u00a0"  # a space at which no line is broken
+
 
 @dataclass(frozen=True)
 class Compared:
@@ -206,7 +208,7 @@ def one_line(column: Compared) -> str:
         What is known of it, with units.
     """
     said = [(title, value_text(getattr(column, name)), unit) for name, title, unit in SHOWN]
-    return "; ".join(f"{title} {text}{'' if unit == '°' else ' '}{unit}" for title, text, unit in said if text)
+    return "; ".join(f"{title} {text}{'' if unit == '°' else _UNBROKEN}{unit}" for title, text, unit in said if text)
 
 
 def value_text(value: float) -> str:
