@@ -151,7 +151,13 @@ def test_a_picture_shows_the_cuts_within_its_frame_and_what_is_excised(name: str
         assert pixels[int(middle[1]), int(middle[0]), 3] > 0.5
 
 
-def test_the_measures_of_a_flap_can_be_kept_as_presets() -> None:
+@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.usefixtures("scene")
+def test_presets_of_ones_own_keep_the_measures_of_a_flap_and_not_where_which_way_and_when_it_is(name: str) -> None:
+    """A preset that set the place would lay every later flap at the scene's origin."""
+    fields = getattr(ops, f"flap_{name.replace('-', '_')}").get_rna_type().properties
+    kept = {each.identifier for each in fields if not each.is_skip_preset}
+    assert kept - {"rna_type"} == {"mirrored", *(each.name for each in DESIGNS[name].parameters)}
     assert all("PRESET" in each.bl_options for each in OPERATORS)
 
 

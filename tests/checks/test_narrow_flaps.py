@@ -18,6 +18,7 @@ from lappet.tissue.dome import dome_scalp
 from lappet.tissue.patch import flat_patch
 
 TOP = 4.0
+TWO_STAGES = "paramedian-forehead"
 AROUND = ((-70.0, -40.0, TOP), (70.0, -40.0, TOP), (70.0, 40.0, TOP), (-70.0, 40.0, TOP))
 
 
@@ -98,8 +99,33 @@ def test_a_flap_with_a_vessel_of_its_own_is_not() -> None:
     assert narrow_flaps(patch(strip(60.0, 12.0), Undermine("freed", 3.0, AROUND), vessels=(artery,)), set()) == []
 
 
-@pytest.mark.parametrize("name", DESIGNS)
-def test_no_design_has_a_narrow_base_at_its_defaults(name: str) -> None:
+def test_a_flap_is_looked_at_before_its_pedicle_is_divided() -> None:
+    """The division makes an island of it; until then it hangs on its base."""
+    division = Incision("division", 6.0, on_top((40.0, 6.0), (40.0, -6.0)))
+    (narrow,) = narrow_flaps(patch(strip(48.0, 12.0), Undermine("freed", 3.0, AROUND), division), set())
+    assert narrow.prim == "/Procedure/Timeline/strip"
+    assert float(str(narrow.value)) == pytest.approx(4.0, rel=0.12)
+
+
+def test_a_strip_that_is_undermined_after_it_was_made_an_island_is_not() -> None:
+    closing = Incision("closing", 3.0, on_top((48.0, 6.0), (48.0, -6.0)))
+    assert narrow_flaps(patch(strip(48.0, 12.0), closing, Undermine("freed", 4.0, AROUND)), set()) == []
+
+
+def test_a_forehead_flap_is_warned_about_unless_its_artery_is_there() -> None:
+    """Five widths of its pedicle long: only with the supratrochlear vessels does it live."""
+    procedure = flap_on_patch(TWO_STAGES, spacing=2.0)
+    (narrow,) = narrow_flaps(procedure, set())
+    assert float(str(narrow.value)) == pytest.approx(5.0, rel=0.12)  # (36 + 6 + 8) / 10 mm
+    cut = next(event for event in procedure.events if isinstance(event, Incision) and event.name == "limbs")
+    (start, end), far = np.array([cut.points[0], cut.points[-1]]), np.mean(cut.points, axis=0)
+    root, tip = 0.5 * (start + end) - (0.0, 0.0, 2.0), far - (0.0, 0.0, 2.0)
+    artery = Vessel("supratrochlear", tuple(map(tuple, np.linspace(root, 1.6 * tip - 0.6 * root, 12))))
+    assert narrow_flaps(replace(procedure, vessels=(artery,)), set()) == []
+
+
+@pytest.mark.parametrize("name", [name for name in DESIGNS if name != TWO_STAGES])
+def test_no_other_design_has_a_narrow_base_at_its_defaults(name: str) -> None:
     assert narrow_flaps(flap_on_patch(name, spacing=2.0), set()) == []
 
 

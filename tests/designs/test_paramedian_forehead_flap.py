@@ -92,8 +92,8 @@ def test_the_hooks_turn_it_one_way_however_far_their_corners_are_apart() -> None
     assert all(way[:, 1].max() > 0.9 * abs(way[0, 0]) for way in plan.ways)
 
 
-def test_what_a_flap_turned_by_half_a_turn_asks_for_is_not_suspicious() -> None:
-    assert check(flap_on_patch(NAME, spacing=2.0)) == []
+def test_what_a_flap_turned_by_half_a_turn_asks_for_is_not_suspicious_but_for_its_length() -> None:
+    assert [each.code for each in check(flap_on_patch(NAME, spacing=2.0))] == [ProblemCode.FLAP_NARROW_BASE]
 
 
 @pytest.mark.parametrize(

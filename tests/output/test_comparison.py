@@ -20,6 +20,7 @@ from lappet.output.skin_regions import AT_SCAR, skin_regions
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
 from lappet.procedure import Landmark, Procedure, SkinLine, Undermine
 from lappet.program.settings import SolverSettings
+from lappet.solve.force_sums import force_sums
 from lappet.tissue.patch import flat_patch
 from lappet.usd.cache_end import CacheEnd, read_cache_end
 from lappet.usd.stage import write_procedure
@@ -75,6 +76,13 @@ def test_what_is_not_known_is_left_empty() -> None:
     assert rows["closing force, mN"] == "0"
 
 
+def test_it_is_said_how_many_sutures_are_left_out_where_some_are() -> None:
+    coarse, fine = (compared(name, end_of(unresolved=left)) for name, left in (("coarse", ("three",)), ("fine", ())))
+    (row,) = (row for row in comparison_rows([coarse, fine]) if "left out" in row[0])
+    assert row[1:] == ["1", "0"]
+    assert not any("left out" in row[0] for row in comparison_rows([fine, fine]))
+
+
 def test_landmarks_are_shown_that_more_than_one_operation_has() -> None:
     other = end_of(landmarks={"lid": (np.zeros(3), np.ones(3))})
     both = [compared("one", end_of()), compared("two", other)]
@@ -101,7 +109,10 @@ def test_the_end_of_a_cache_says_what_the_solve_measured(solved: SolveResult) ->
     end = read_cache_end(solved.output)
     last = solved.measures[-1]
     assert end.time == solved.frames[-1].solved.time
-    assert end.forces == pytest.approx({each.suture: each.force_mn for each in last.sutures}, rel=1e-5, abs=1e-4)
+    forces = {each.suture: each.force_mn for each in last.sutures if each.resolved}
+    assert end.forces == pytest.approx(forces, rel=1e-5, abs=1e-4)
+    assert set(end.unresolved) == {each.suture for each in last.sutures if not each.resolved} != set()
+    assert compared("one", end).closing_force_mn == pytest.approx(force_sums(last.sutures).total_mn, rel=1e-5)
     for state in last.seams:
         own = end.measures[state.measure.seam]
         assert own["scarLength"] == pytest.approx(state.measure.scar_length_mm, rel=1e-5)

@@ -237,7 +237,7 @@ def test_forces_and_seams_have_their_errors_beside_them_and_nan_where_there_is_n
     known = [
         replace(
             each,
-            sutures=tuple(replace(row, force_error_mn=0.4) for row in each.sutures),
+            sutures=tuple(replace(row, force_error_mn=0.4, resolved=False) for row in each.sutures),
             hooks=tuple(replace(row, force_error_mn=0.3) for row in each.hooks),
             seams=tuple(
                 replace(state, measure=replace(state.measure, scar_length_error_mm=0.2)) for state in each.seams
@@ -260,6 +260,9 @@ def test_forces_and_seams_have_their_errors_beside_them_and_nan_where_there_is_n
         assert values.Get(active)[0] == pytest.approx(error)
         assert np.isnan(values.Get(1.0)[0])  # it does not pull yet
         assert not primvars["bare", prim].GetPrimvar("forceError").HasValue()
+    resolved = {name: primvars[name, "Sutures"].GetPrimvar("resolved") for name in ("known", "bare")}
+    assert [list(resolved["known"].Get(time)) for time in (1.0, 8.0)] == [[1], [0]]  # it is not placed yet, it is
+    assert list(resolved["bare"].Get(8.0)) == [1]
     lengths = {name: primvars[name, "Seams"].GetPrimvar("scarLengthError").Get(8.0)[0] for name in ("known", "bare")}
     assert lengths["known"] == pytest.approx(0.2)
     assert np.isnan(lengths["bare"])

@@ -142,30 +142,44 @@ def _unit(parameter: Parameter) -> str:
 def _operator(design: LibraryDesign) -> type[bpy.types.Operator]:
     """The operator `lappet.flap_NAME` of a design."""
     fields: dict[str, Any] = {each.name: measure_property(each) for each in design.parameters}
+    here: Any = {"SKIP_PRESET"}  # one's own presets keep the measures: where, which way and when is each flap's own
     fields |= {
         "at": FloatVectorProperty(
-            name="Place", description=f"In mm: {design.center}; if not given, the 3D cursor", size=3, precision=2
+            name="Place",
+            description=f"In mm: {design.center}; if not given, the 3D cursor",
+            size=3,
+            precision=2,
+            options=here,
         ),
         "lines": EnumProperty(
             name="Direction",
             description=f"What runs so: {design.direction}",
             items=_DIRECTIONS,
             default="ACROSS" if design.lines == "across" else "ALONG",
+            options={"SKIP_SAVE"},  # of choices Blender offers no other way to keep them out of presets
         ),
-        "turned": FloatProperty(name="Turned", description="Turned in the skin by this angle", subtype="ANGLE"),
+        "turned": FloatProperty(
+            name="Turned", description="Turned in the skin by this angle", subtype="ANGLE", options=here
+        ),
         "fit": BoolProperty(
             name="Fit to Active Outline",
             description="Lie where the closed incision or landmark is that is active in the timeline, as large as that",
+            options=here,
         ),
         "selection": BoolProperty(
-            name="Fit to Selection", description="Lie where the selected faces of the tissue are, as large as these"
+            name="Fit to Selection",
+            description="Lie where the selected faces of the tissue are, as large as these",
+            options=here,
         ),
         "region": StringProperty(
             name="Fit to Region",
             description="Lie where a vertex group, a face group or a face attribute of the tissue is, as large as it",
+            options=here,
         ),
         "mirrored": BoolProperty(name="Mirrored", description="Mirrored about its direction"),
-        "time": FloatProperty(name="Frame", description="Before the first cut; if not given, the current frame"),
+        "time": FloatProperty(
+            name="Frame", description="Before the first cut; if not given, the current frame", options=here
+        ),
     }
     attributes: dict[str, Any] = {
         "__doc__": design.indication.rstrip("."),

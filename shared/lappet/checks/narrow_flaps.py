@@ -6,11 +6,15 @@ hangs on necks narrower than b, and its length is how far it reaches from there 
 the greatest of length to b: of a strip its length to its width, of a tip of the angle α 1 / (2 sin(α / 2)). Pieces that
 are cut free all around (islands) live on what lies below them and are left out, as is skin that stays on its bed, and
 skin with a vessel of its own.
+
+A flap must live from when it is raised: the cuts are looked at as they are before each later one, as the division of a
+pedicle, which makes an island of a flap that hung on it until then.
 """
 
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -22,7 +26,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.surface_check import place
-from lappet.procedure import Excision, Incision, Point, Procedure, Undermine
+from lappet.procedure import Event, Excision, Incision, Point, Procedure, Undermine
 from lappet.procedure.prim_paths import TIMELINE
 
 # Length to width of a flap without a vessel of its own. On the face 3:1 to 4:1 is the rule, on trunk and limbs 1:1 to
@@ -78,12 +82,10 @@ def narrow_flaps(procedure: Procedure, wrong: set[str]) -> list[Problem]:
     """
     events = [event for event in procedure.events if f"{TIMELINE}/{event.name}" not in wrong]
     cuts = [event for event in events if isinstance(event, Incision) and len(event.points) > 1]
-    seeds = [seed for event in events if isinstance(event, Excision) for seed in event.seeds]
-    freed = [event.points for event in events if isinstance(event, Undermine)]
     alive = [point for vessel in procedure.vessels for point in vessel.points]
     found = []
     for group in _groups(cuts):
-        flap = narrowest_flap(group, seeds, freed, alive)
+        flap = _narrowest_in_time(group, events, alive)
         if flap is None:
             continue
         nearest = min(group, key=lambda cut: float(np.linalg.norm(np.subtract(cut.points, flap.tip), axis=1).min()))
@@ -100,6 +102,18 @@ def narrow_flaps(procedure: Procedure, wrong: set[str]) -> list[Problem]:
             )
         )
     return found
+
+
+def _narrowest_in_time(cuts: list[Incision], events: list[Event], alive: list[Point]) -> NarrowFlap | None:
+    """The flap with the narrowest base of all that are there before one of the cuts, or after the last."""
+    found = []
+    for end in (*sorted({cut.time for cut in cuts})[1:], math.inf):
+        before = [event for event in events if isinstance(event, Excision | Undermine) and event.time < end]
+        made = [cut for cut in cuts if cut.time < end]
+        seeds = [seed for event in before if isinstance(event, Excision) for seed in event.seeds]
+        flap = narrowest_flap(made, seeds, [event.points for event in before if isinstance(event, Undermine)], alive)
+        found += [] if flap is None else [flap]
+    return max(found, key=lambda flap: flap.ratio, default=None)
 
 
 def narrowest_flap(

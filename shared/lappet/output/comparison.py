@@ -19,6 +19,8 @@ GREATEST = (
     0.99  # share of the skin's area whose tension is at most the "greatest": single points of a seam do not count
 )
 
+_UNBROKEN = "\u00a0"  # a space at which no line is broken
+
 
 @dataclass(frozen=True)
 class Compared:
@@ -29,7 +31,7 @@ class Compared:
     name
         Name of the operation.
     closing_force_mn
-        Sum of the forces of all sutures in mN.
+        Sum of the forces of all sutures in mN, but for those that the lattice does not resolve.
     greatest_force_mn
         Greatest of them in mN.
     greatest_tension_kpa
@@ -54,6 +56,8 @@ class Compared:
         By label of a landmark of several points, how much longer the line through them is, as a share.
     regions
         By name of a region, the greatest (as above) and the mean tension of its skin in kPa.
+    unresolved
+        How many sutures the lattice does not resolve.
     """
 
     name: str
@@ -70,6 +74,7 @@ class Compared:
     moved_by_mm: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     stretched: dict[str, float] = field(default_factory=dict)
     regions: dict[str, tuple[float, float]] = field(default_factory=dict)
+    unresolved: int = 0
 
 
 # What is shown of it: a field, what it is called, its unit.
@@ -121,6 +126,7 @@ def compared(name: str, end: CacheEnd) -> Compared:
         {label: _vector(now - rest) for label, (rest, now) in end.landmarks.items()},
         {label: _length(now) / _length(rest) - 1.0 for label, (rest, now) in end.lines.items()},
         {name: (_share(*each, share=GREATEST), _mean(*each)) for name, each in skin_regions(end).items()},
+        len(end.unresolved),
     )
 
 
@@ -152,6 +158,10 @@ def comparison_rows(columns: Sequence[Compared]) -> list[list[str]]:
         has.
     """
     rows = [[f"{title}, {unit}", *(value_text(getattr(each, name)) for each in columns)] for name, title, unit in SHOWN]
+    if any(each.unresolved for each in columns):
+        rows.insert(
+            2, ["sutures left out, as the lattice does not resolve them", *(str(each.unresolved) for each in columns)]
+        )
     for name in shared_names([each.regions for each in columns]):
         pairs = [each.regions.get(name, (math.nan, math.nan)) for each in columns]
         rows.append([f"{name}: greatest tension, kPa", *(value_text(greatest) for greatest, _ in pairs)])
@@ -198,7 +208,7 @@ def one_line(column: Compared) -> str:
         What is known of it, with units.
     """
     said = [(title, value_text(getattr(column, name)), unit) for name, title, unit in SHOWN]
-    return "; ".join(f"{title} {text}{'' if unit == '°' else ' '}{unit}" for title, text, unit in said if text)
+    return "; ".join(f"{title} {text}{'' if unit == '°' else _UNBROKEN}{unit}" for title, text, unit in said if text)
 
 
 def value_text(value: float) -> str:

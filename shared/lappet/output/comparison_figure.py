@@ -12,6 +12,7 @@ from lappet.core.durable import write_whole
 from lappet.output.comparison import SHOWN, Compared, shared_names, value_text
 
 _ROW = 0.16  # inches that a bar of a region or a landmark takes
+_FEWEST = 3  # rows that a panel of regions or landmarks has room for, so that its bars are not thicker than the others
 _MOST = 14  # regions or landmarks that are drawn: those with the greatest values
 
 
@@ -29,11 +30,13 @@ def plot_comparison(columns: Sequence[Compared], path: Path) -> None:
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
+    from matplotlib.patches import Patch
 
     regions = _chosen(columns, [{name: pair[0] for name, pair in each.regions.items()} for each in columns])
     marks = _chosen(columns, [each.moved_mm for each in columns])
-    rows = max(len(regions), len(marks)) * len(columns)
-    below = 0.8 + _ROW * rows if rows else 0.0
+    rows = max(len(regions), len(marks))
+    room = max(rows, _FEWEST)
+    below = 1.1 + _ROW * room * len(columns) if rows else 0.0
     figure = pyplot.figure(figsize=(10.0, 7.5 + below), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(7.5, below)) if rows else (figure, None)
     above, under = parts
@@ -44,11 +47,13 @@ def plot_comparison(columns: Sequence[Compared], path: Path) -> None:
         axis.set_title(f"{title} ({unit})", fontsize=9)
     if under is not None:
         left, right = under.subplots(1, 2)
-        _groups(left, regions, [{n: p[0] for n, p in each.regions.items()} for each in columns], colors)
+        _groups(left, regions, [{n: p[0] for n, p in each.regions.items()} for each in columns], colors, room)
         _ticks(left, [[each.regions.get(name, (0.0, 0.0))[1] for each in columns] for name in regions])
         left.set_title("greatest tension of each region, a tick at its mean (kPa)", fontsize=9)
-        _groups(right, marks, [each.moved_mm for each in columns], colors)
+        _groups(right, marks, [each.moved_mm for each in columns], colors, room)
         right.set_title("how far landmarks moved (mm)", fontsize=9)
+        keys = [Patch(color=color, label=each.name) for color, each in zip(colors, columns, strict=True)]
+        under.legend(handles=keys, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     drawn = io.BytesIO()
     figure.savefig(drawn, format=path.suffix[1:].lower() or "png", dpi=150)
     pyplot.close(figure)
@@ -73,14 +78,16 @@ def _bars(axis: Any, names: Sequence[str], values: Sequence[float], colors: Sequ
         axis.text(shown[k], k, f" {value_text(value) or 'not known'}", va="center", fontsize=8)
 
 
-def _groups(axis: Any, names: Sequence[str], values: Sequence[dict[str, float]], colors: Sequence[str]) -> None:
-    """A group of bars for each name, one for each operation."""
+def _groups(
+    axis: Any, names: Sequence[str], values: Sequence[dict[str, float]], colors: Sequence[str], room: int
+) -> None:
+    """A group of bars for each name, one for each operation, from the top of a panel with room for so many groups."""
     count = len(values)
     for k, each in enumerate(values):
         places = [row + (k - 0.5 * (count - 1)) * 0.8 / count for row in range(len(names))]
         axis.barh(places, [each.get(name, 0.0) for name in names], height=0.8 / count, color=colors[k])
     axis.set_yticks(range(len(names)), names)
-    axis.invert_yaxis()
+    axis.set_ylim(room - 0.5, -0.5)
     axis.tick_params(labelsize=8)
 
 

@@ -1,4 +1,4 @@
-"""The estimated errors of forces in the skin cache: a number for each suture and hook beside its force."""
+"""What the skin cache says of its forces: the estimated error of each, and which sutures the lattice resolves."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ def write_force_errors(
 ) -> None:
     """Write the errors as primvars of the curves of sutures and hooks, in mN; NaN where there is none.
 
+    Of the sutures that are placed those that the lattice does not resolve are marked: their force is none of the wound.
+
     Parameters
     ----------
     stage
@@ -29,6 +31,7 @@ def write_force_errors(
     """
     if not measures:
         return
+    _write_resolved(stage, program, frames, measures)
     sutures = [{row.suture: row.force_error_mn for row in each.sutures} for each in measures]
     hooks = [{row.hook: row.force_error_mn for row in each.hooks} for each in measures]
     for path, names, errors in (("Sutures", program.sutures, sutures), ("Hooks", program.hooks, hooks)):
@@ -42,3 +45,17 @@ def write_force_errors(
         for frame, own in zip(frames, errors, strict=True):
             values = [own.get(name) for name in names]
             primvar.Set(usd.Vt.FloatArray([float("nan") if each is None else each for each in values]), frame.time)
+
+
+def _write_resolved(
+    stage: Any, program: Program, frames: Sequence[SolvedFrame], measures: Sequence[FrameMeasures]
+) -> None:
+    if not program.sutures:
+        return
+    usd = pxr()
+    primvar = usd.UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/Procedure/Skin/Sutures")).CreatePrimvar(
+        "resolved", usd.Sdf.ValueTypeNames.IntArray, usd.UsdGeom.Tokens.uniform
+    )
+    for frame, each in zip(frames, measures, strict=True):
+        unresolved = {row.suture for row in each.sutures if not row.resolved}
+        primvar.Set(usd.Vt.IntArray([int(name not in unresolved) for name in program.sutures]), frame.time)

@@ -66,7 +66,7 @@ class CacheEnd:
     time
         Time code of the frame.
     forces
-        Force of each suture that is placed, by its name, in mN.
+        Force of each suture that is placed and that the lattice resolves, by its name, in mN.
     seams
         By the name of each seam, the line midway between its lips in mm, shape (k, 3).
     measures
@@ -83,6 +83,8 @@ class CacheEnd:
         each of shape (k, 3).
     skin
         The skin; None where the cache has no tension.
+    unresolved
+        The sutures that are placed and that the lattice does not resolve.
     """
 
     procedure: Procedure
@@ -95,6 +97,7 @@ class CacheEnd:
     area: NDArray[np.float64]
     lines: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict)
     skin: SkinEnd | None = None
+    unresolved: tuple[str, ...] = ()
 
 
 def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> CacheEnd:
@@ -136,16 +139,18 @@ def read_cache_end(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LI
     own = {key: _array(seams, f"primvars:{key}", last) for key in MEASURES} if names else {}
     kept = [k for k in range(len(names)) if active[k]]
     marks = stage.GetPrimAtPath(f"{_SKIN}/Landmarks")
+    forces, unresolved = _forces(stage.GetPrimAtPath(f"{_SKIN}/Sutures"), last)
     return CacheEnd(
         procedure,
         last,
-        _forces(stage.GetPrimAtPath(f"{_SKIN}/Sutures"), last),
+        forces,
         {names[k]: lines[k] for k in kept},
         {names[k]: {key: float(values[k]) for key, values in own.items()} for k in kept},
         _landmarks(marks, procedure, last),
         *_by_point(skin),
         _lines(marks, procedure, last),
         skin,
+        unresolved,
     )
 
 
@@ -165,12 +170,21 @@ def _labels(prim: Any) -> list[str]:
     return [str(each) for each in prim.GetAttribute("primvars:label").Get()] if prim else []
 
 
-def _forces(sutures: Any, time: float) -> dict[str, float]:
+def _forces(sutures: Any, time: float) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Forces of the sutures that are placed, and which of these the lattice does not resolve, whose force is no one's.
+
+    A cache that was written without measures says nothing of that: all count as resolved.
+    """
     names = _labels(sutures)
     if not names:
-        return {}
+        return {}, ()
     active, force = (_array(sutures, f"primvars:{each}", time) for each in ("active", "force"))
-    return {name: float(mn) for name, on, mn in zip(names, active, force, strict=True) if on}
+    known = sutures.HasAttribute("primvars:resolved")
+    resolved = _array(sutures, "primvars:resolved", time) if known else np.ones(len(names))
+    placed = [
+        (name, float(mn), bool(part)) for name, on, mn, part in zip(names, active, force, resolved, strict=True) if on
+    ]
+    return {name: mn for name, mn, part in placed if part}, tuple(name for name, _, part in placed if not part)
 
 
 def _landmarks(
