@@ -6,6 +6,7 @@
 #
 #   bash packaging/sanitize.sh                    all of it, with 100 000 mutated messages
 #   bash packaging/sanitize.sh --messages N       the corpus and N mutated messages only (SEED=1); the result is kept
+#   bash packaging/sanitize.sh --build            only builds, beside something else
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs="${LAPPET_JOBS:-$(nproc)}"
@@ -71,11 +72,18 @@ if [ "${1:-}" = --messages ]; then
     .venv/bin/python packaging/documents.py --write >/dev/null  # docs/robustness.md shows it
     exit "$status"
 fi
-step "build with the address sanitizer" build sanitize lappet-solverd solverd_tests solverd_fuzz
+with_address() { build sanitize lappet-solverd solverd_tests solverd_fuzz; }
+with_threads() { build thread lappet-solverd; }
+if [ "${1:-}" = --build ]; then
+    with_address
+    with_threads
+    exit
+fi
+step "build with the address sanitizer" with_address
 step "unit tests" unit_tests
 step "mutated messages" play --messages 100000
 step "the corpus against a daemon" corpus
-step "build with the thread sanitizer" build thread lappet-solverd
+step "build with the thread sanitizer" with_threads
 step "several clients" clients
 if [ "${#failed[@]}" -gt 0 ]; then
     printf 'sanitize: failed: %s\n' "$(IFS=,; echo "${failed[*]}")" >&2
