@@ -1,6 +1,6 @@
 # On x86, the NEON kernels: compiled with Debian's cross compiler where it is installed, and compared with their scalar
-# twins under qemu-user where that is. Adds the target neon_twins and the test of the same name. Optimized little: these
-# units take longer to compile than all others together, and the source is what is compared.
+# twins under qemu-user where that is. Adds the target neon_twins and the test of the same name. Optimized little: the
+# kernels take minutes to compile, and the source is what is compared.
 find_program(LAPPET_AARCH64_CXX aarch64-linux-gnu-g++)
 find_program(LAPPET_QEMU_AARCH64 NAMES qemu-aarch64 qemu-aarch64-static)
 find_path(LAPPET_XSIMD_INCLUDE xsimd/xsimd.hpp)
