@@ -119,7 +119,7 @@ def test_reading_a_scene_again_takes_under_2_ms_at_20_000_vertices_and_gives_the
         times.append(time.perf_counter() - begin)
         assert again is not None
         assert again.tissue is first
-    assert min(times) < max(2e-3, 0.15 * whole)  # the second where the machine is slow or busy
+    assert min(times) < max(2e-3, 0.11 * whole)  # the second where the machine is slow or busy; else it is the less
 
 
 def test_every_edit_of_the_mesh_its_groups_and_its_place_is_seen(scene: bpy.types.Scene) -> None:

@@ -87,7 +87,7 @@ def test_every_field_and_choice_that_is_shown_is_translated(addon: None) -> None
 def test_every_flap_and_what_it_asks_for_is_translated(addon: None) -> None:
     """Each design by its title, its measures by their names, in each language of the plates' catalogue."""
     titles = {design.title for design in DESIGNS.values()}
-    assert titles | flap_fields() - set(messages()) == titles
+    assert titles | flap_fields() <= set(messages())
     made = blender_dictionary()
     assert made["de_DE"]["Operator", "Limberg flap"] == "Limberg-Lappen"
     assert made["fr_FR"]["Operator", "Edit Limberg flap"] == "Modifier: Lambeau de Limberg"
