@@ -58,6 +58,14 @@ OPERATIONS = {
         (0.04, 0.0, 1.0),
         {"diameter": 9.0, "length": 52.0, "half_width": 11.0, "back_cut": 20.0, "slide": 0.6},
     ),
+    "nose_forehead": Operation(
+        "face",
+        "paramedian-forehead",
+        (8.0, 142.0, 748.0),
+        (0.25, 0.0, 1.0),
+        {"diameter": 14.0, "distance": 34.0, "width": 9.0, "spare": 5.0},
+        True,
+    ),
     "lip_a_t": Operation(
         "lips",
         "a-t",

@@ -96,6 +96,28 @@ def test_the_story_of_an_excision_shows_the_hooks_at_work_and_the_wound_drawn_to
     ]
 
 
+def test_a_flap_that_is_divided_later_is_shown_sewn_in_on_its_pedicle_and_cut_from_it() -> None:
+    events = [
+        StepEvent("Incision", "limbs", 2, 2),
+        StepEvent("Undermine", "around", 4, 4),
+        StepEvent("Hook", "tip", 5, 9),
+        StepEvent("Hook", "pedicle", 5, 14),
+        *[StepEvent("Suture", f"s{k}", 8, 12) for k in range(3)],
+        StepEvent("Incision", "division", 14, 14),
+        StepEvent("Excision", "pedicle", 14, 14),
+        *[StepEvent("Suture", f"r{k}", 15, 18) for k in range(2)],
+    ]
+    steps = story_steps(events, [float(t) for t in range(1, 21)], lambda t: -abs(t - 6.0))
+    assert [(s.caption, s.frame) for s in steps] == [
+        ("Before", 1),
+        ("Incised and undermined", 4),
+        ("Lifted with hooks", 6),
+        ("Sewn in", 13),
+        ("Pedicle divided", 14),
+        ("Final result", 20),
+    ]
+
+
 def test_a_story_never_has_more_panels_than_the_sheet_nor_two_of_one_frame() -> None:
     many = [
         StepEvent(k, f"{k}_{i}", 1 + i, 3 + i) for i in range(9) for k in ("Incision", "Excision", "Hook", "Suture")

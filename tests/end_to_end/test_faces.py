@@ -26,6 +26,7 @@ NAMES = (
     "upper_eyelid",
     "ala_nasolabial",
     "nose_dorsal",
+    "nose_forehead",
     "lip_a_t",
     "lip_karapandzic",
     "limb_keystone",

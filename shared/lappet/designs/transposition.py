@@ -108,7 +108,7 @@ def second_stage(division: Division, skin: SkinSheet, when: Schedule, how: Techn
             Incision(_numbered("division", k, len(division.cuts)), when.divide, curve, kerf=how.kerf)
             for k, curve in enumerate(division.cuts)
         ),
-        Excision("pedicle", when.divide + 1.0, division.seeds),
+        Excision("pedicle", when.divide, division.seeds),  # at once: a piece that only a hook holds has no rest
         *(suture_runs(sewn, later, how) if how.runs else sutures(sewn, skin, later, how)),
     ]
 

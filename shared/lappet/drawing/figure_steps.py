@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.second_stage import second_stage_from
 from lappet.drawing.skin_source import SkinSource, StepEvent
 
 MOST_PANELS = 6
@@ -108,9 +109,12 @@ def story_steps(
         steps.append(_cut_step(cuts, frames, begin_held))
     sutures = [e for e in events if e.kind == "Suture"]
     pulls = [e for e in events if e.kind in ("Hook", "Retractor")]
+    divided = second_stage_from(events)
     if pulls:
         steps += _pull_steps(pulls, cuts, sutures, frames, height)
-    if sutures:
+    if divided < float("inf"):
+        steps = [*steps[:3], *_second_stage(events, frames, divided)]
+    elif sutures:
         begin_closing = min(e.start for e in sutures)
         closed = _at_or_after(frames, max(e.end for e in sutures))
         halfway = _at_or_after(frames, (begin_closing + closed) / 2)
@@ -121,6 +125,12 @@ def story_steps(
         steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
     steps.append(Step(frames[-1], "Final result"))
     return _distinct(steps)
+
+
+def _second_stage(events: Sequence[StepEvent], frames: Sequence[float], begin: float) -> list[Step]:
+    """The steps that show a flap sewn in on its pedicle, and cut from it."""
+    cut = _at_or_after(frames, max(e.start for e in events if e.kind in CUTTING and e.start >= begin))
+    return [Step(_before(frames, begin), "Sewn in", "on its pedicle"), Step(cut, "Pedicle divided")]
 
 
 def _at_or_after(frames: Sequence[float], time: float) -> float:
