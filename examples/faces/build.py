@@ -61,9 +61,9 @@ OPERATIONS = {
     "nose_forehead": Operation(
         "face",
         "paramedian-forehead",
-        (8.0, 142.0, 748.0),
-        (0.25, 0.0, 1.0),
-        {"diameter": 14.0, "distance": 34.0, "width": 9.0, "spare": 5.0},
+        (18.5, 139.0, 749.0),  # on the supratrochlear artery
+        (0.66, 0.0, 0.75),
+        {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0},
         True,
     ),
     "lip_a_t": Operation(

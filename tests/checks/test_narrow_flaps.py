@@ -99,6 +99,12 @@ def test_a_flap_with_a_vessel_of_its_own_is_not() -> None:
     assert narrow_flaps(patch(strip(60.0, 12.0), Undermine("freed", 3.0, AROUND), vessels=(artery,)), set()) == []
 
 
+def test_a_vessel_that_the_cut_divides_keeps_no_flap_alive() -> None:
+    across = Vessel("artery", ((20.0, -40.0, 2.0), (20.0, 40.0, 2.0)))
+    (narrow,) = narrow_flaps(patch(strip(60.0, 12.0), Undermine("freed", 3.0, AROUND), vessels=(across,)), set())
+    assert narrow.code == ProblemCode.FLAP_NARROW_BASE
+
+
 def test_a_flap_is_looked_at_before_its_pedicle_is_divided() -> None:
     """The division makes an island of it; until then it hangs on its base."""
     division = Incision("division", 6.0, on_top((40.0, 6.0), (40.0, -6.0)))

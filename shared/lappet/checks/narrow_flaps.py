@@ -5,7 +5,7 @@ where it is joined to the skin far from all cuts, is what a disk of that width r
 hangs on necks narrower than b, and its length is how far it reaches from there along the skin. The ratio of a flap is
 the greatest of length to b: of a strip its length to its width, of a tip of the angle α 1 / (2 sin(α / 2)). Pieces that
 are cut free all around (islands) live on what lies below them and are left out, as is skin that stays on its bed, and
-skin with a vessel of its own.
+skin with a vessel of its own: one that runs from near the base into the outer half without being cut.
 
 A flap must live from when it is raised: the cuts are looked at as they are before each later one, as the division of a
 pedicle, which makes an island of a flap that hung on it until then.
@@ -14,6 +14,7 @@ pedicle, which makes an island of a flap that hung on it until then.
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -35,6 +36,7 @@ MOST_RATIO = 3.0
 _FINEST, _ACROSS = 0.4, 120.0  # mm: edge of a cell; cells across the cuts, at most
 _STEP, _STRIDE = 1.06, 6  # from width to width; widths that are looked at together
 _WIDEST = 0.36  # of the span of the cuts: no flap on a wider base is longer than the span
+_NEAR_BASE = 0.25  # of a flap's length: a vessel that feeds it comes so near to its base
 _TOGETHER = 25.0  # mm: cuts nearer to each other are looked at together
 
 
@@ -82,7 +84,7 @@ def narrow_flaps(procedure: Procedure, wrong: set[str]) -> list[Problem]:
     """
     events = [event for event in procedure.events if f"{TIMELINE}/{event.name}" not in wrong]
     cuts = [event for event in events if isinstance(event, Incision) and len(event.points) > 1]
-    alive = [point for vessel in procedure.vessels for point in vessel.points]
+    alive = [vessel.points for vessel in procedure.vessels]
     found = []
     for group in _groups(cuts):
         flap = _narrowest_in_time(group, events, alive)
@@ -104,7 +106,7 @@ def narrow_flaps(procedure: Procedure, wrong: set[str]) -> list[Problem]:
     return found
 
 
-def _narrowest_in_time(cuts: list[Incision], events: list[Event], alive: list[Point]) -> NarrowFlap | None:
+def _narrowest_in_time(cuts: list[Incision], events: list[Event], alive: list[tuple[Point, ...]]) -> NarrowFlap | None:
     """The flap with the narrowest base of all that are there before one of the cuts, or after the last."""
     found = []
     for end in (*sorted({cut.time for cut in cuts})[1:], math.inf):
@@ -120,7 +122,7 @@ def narrowest_flap(
     cuts: list[Incision],
     seeds: list[Point],
     freed: list[tuple[Point, ...]],
-    alive: list[Point],
+    alive: list[tuple[Point, ...]],
     above: float = MOST_RATIO,
 ) -> NarrowFlap | None:
     """Find the flap with the narrowest base for its length that cuts leave.
@@ -134,7 +136,7 @@ def narrowest_flap(
     freed
         Outlines of what is undermined, points in mm.
     alive
-        Points of vessels in mm.
+        Courses of vessels, points in mm.
     above
         Least ratio of length to width that is looked for.
 
@@ -157,7 +159,7 @@ def narrowest_flap(
     lifted = np.zeros_like(grid.skin)
     for outline in freed:
         lifted |= grid.within(plane.flat(outline))
-    fed = {grid.at(point) for point in plane.flat(alive)} if alive else set()
+    fed = [piece for course in alive for piece in grid.uncut(plane.flat(course))]
     best: NarrowFlap | None = None
     least = 4.0 * grid.cell
     widths = least * _STEP ** np.arange(int(np.log(max(_WIDEST * grid.span / least, 1.0)) / np.log(_STEP)) + 2)
@@ -187,7 +189,7 @@ def _longest(
     neck: NDArray[np.float64],
     width: float,
     lifted: NDArray[np.bool_],
-    fed: set[tuple[int, int]],
+    fed: list[set[tuple[int, int]]],
     above: float,
 ) -> _Reach:
     """The flap that reaches farthest from where a disk of this width comes from outside."""
@@ -198,7 +200,8 @@ def _longest(
         if length <= above * width or tip in seen:
             break
         half = _outer_half(reach, tip)
-        if not half & fed:
+        near = _NEAR_BASE * length
+        if not any(piece & half and min(reach.get(cell, 0.0) for cell in piece) <= near for piece in fed):
             return _Reach(grid.place(tip), grid.place(begins[tip]), length)
         seen |= half
     return _Reach(grid.low, grid.low, 0.0)
@@ -319,11 +322,21 @@ class _Grid:
         shape = np.ceil((drawn.max(axis=0) + 0.3 * span - low) / cell).astype(int) + 1
         grid = cls(low, cell, span, np.ones(shape, bool))
         for line in lines:
-            way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-            at = np.linspace(0.0, way[-1], int(way[-1] / (0.25 * cell)) + 2)
-            fine = np.column_stack([np.interp(at, way, line[:, k]) for k in range(2)])
-            grid.skin[tuple(np.round((fine - low) / cell).astype(int).T)] = False
+            grid.skin[tuple(np.round((grid.fine(line) - low) / cell).astype(int).T)] = False
         return grid
+
+    def fine(self, line: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (k, 2) of a line with several in each cell."""
+        way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        at = np.linspace(0.0, way[-1], int(way[-1] / (0.25 * self.cell)) + 2)
+        return np.column_stack([np.interp(at, way, line[:, k]) for k in range(2)])
+
+    def uncut(self, line: NDArray[np.float64]) -> Iterator[set[tuple[int, int]]]:
+        """The cells of each piece of a line that no cut divides."""
+        cells = [self.at(point) for point in self.fine(line)]
+        for whole, piece in itertools.groupby(cells, key=lambda cell: bool(self.skin[cell])):
+            if whole:
+                yield set(piece)
 
     def at(self, point: NDArray[np.float64]) -> tuple[int, int]:
         """The cell of a point (2,), the nearest one of the grid."""

