@@ -9,6 +9,7 @@ from lappet.models.muscle_plans import MUSCLES
 from lappet.models.muscle_plans import SOURCE as MUSCLE_SOURCE
 from lappet.models.plain_models import PLAIN_MODELS
 from lappet.models.sources import CHOSEN, SOURCES
+from lappet.models.vessel_plans import COURSES, FACIAL_ARTERY
 from lappet.models.whole_body import MUSCLE, SOFT_TISSUE, WHOLE_BODY
 from lappet.tissue.presets import PRESETS
 
@@ -61,8 +62,7 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   amounts that `--target` gives. A model holds the same skin whatever the shape.
 
 What a model is not: a patient. The body is one that artists made, not a scan; thicknesses are means or chosen and one
-number for each model; muscles, SMAS, galea and cartilage are not layers of their own; vessels and nerves are not in
-it.
+number for each model; muscles, SMAS, galea and cartilage are not layers of their own.
 """
 
 
@@ -88,10 +88,11 @@ def models_page() -> str:
             f"| `{plain.name}` | {plain.title} | {plain.skin:g} | 2.5 | [`skin`](tissues.md#skin) | default | "
             f"{plain.spacing:g} | {plain.trial.length:g} |"
         )
-    rows += ["", *_whole_body(), "", "## Where the thicknesses come from", ""]
+    rows += ["", *_whole_body(), "", *_vessels(), "", "## Where the thicknesses come from", ""]
     for model in BODY_MODELS.values():
         rows.append(f"- `{model.name}`: skin {_depth(model.skin)}; below it {_depth(model.fat)}. {_tension(model)}")
-    used = dict.fromkeys([*(name for model in BODY_MODELS.values() for name in sources_of(model)), "Borges 1962"])
+    drawn = ["Borges 1962", *(course.source for course in COURSES), FACIAL_ARTERY]
+    used = dict.fromkeys([*(name for model in BODY_MODELS.values() for name in sources_of(model)), *drawn])
     rows += ["", "## Sources", "", *(f"- {name}: {SOURCES[name]}." for name in SOURCES if name in used), ""]
     rows += [
         "## License",
@@ -102,6 +103,23 @@ def models_page() -> str:
         "",
     ]
     return INTRODUCTION + "\n" + "\n".join(rows)
+
+
+def _vessels() -> list[str]:
+    """The section about vessels and nerves."""
+    return [
+        "## Vessels and nerves",
+        "",
+        "Models of the head have those that run above the plane in which flaps are raised, in their layer, as [vessels]"
+        "(anatomy.md) that are flagged as typical courses: an incision that crosses one divides it and says so, "
+        "pictures with `--translucent` show them, and a long flap that carries one is not warned about. The facial "
+        f"artery with its labial and angular branches lies deeper ({FACIAL_ARTERY}: 9 mm below the skin beside the "
+        "ala, 22 mm beside the mouth), and so do the branches of the facial nerve: no model's tissue reaches them.",
+        "",
+        "| vessel or nerve, on both sides | thick, mm | course | source |",
+        "|---|---:|---|---|",
+        *(f"| {each.name} | {2.0 * each.radius:g} | {each.how} | {each.source} |" for each in COURSES),
+    ]
 
 
 def _whole_body() -> list[str]:

@@ -36,7 +36,7 @@ class Schedule:
     trim
         The removal of what is cut out late; it is incised a frame before.
     divide
-        The cuts of the second stage; the pedicle is taken out a frame later.
+        The cuts of the second stage; the pedicle is taken out with them.
     rejoin_from
         The sutures of the second stage begin to draw together.
     rejoin_to

@@ -7,6 +7,7 @@ from lappet.models.muscle_plans import MUSCLES
 from lappet.models.muscle_plans import SOURCE as MUSCLE_SOURCE
 from lappet.models.plain_models import PlainModel
 from lappet.models.sources import CHOSEN, SOURCES
+from lappet.models.vessel_plans import courses_in
 from lappet.models.whole_body import MUSCLE, SOFT_TISSUE, WholeBodyModel
 from lappet.tissue.bed import BEDS
 from lappet.tissue.presets import PRESETS
@@ -55,10 +56,16 @@ def described(model: Model | PlainModel | WholeBodyModel) -> list[str]:
         f"material: {model.preset}, tension {along:g} and {across:g} kPa where the laxity is 0",
         f"bed: {model.bed}, {bed.normal:.3g} kPa/mm along its normal and {bed.shear:.3g} in its plane",
         f"skin lines: {', '.join(model.lines)}; {SOURCES['Borges 1962']}",
+        *_vessels(model),
         f"lattice spacing: {model.spacing:g} mm",
         *(f"{name}: {SOURCES[name]}" for name in sources_of(model)),
         f"license: {LICENSE}",
     ]
+
+
+def _vessels(model: Model) -> list[str]:
+    named = [course.name for course in courses_in(model.region)]
+    return [f"vessels and nerves, typical courses: {', '.join(named)}"] if named else []
 
 
 def sources_of(model: Model) -> list[str]:

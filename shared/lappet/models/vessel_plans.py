@@ -27,6 +27,9 @@ _SHORTEST = 8.0  # mm
 _DECIMALS = 3  # of points in mm
 
 
+FACIAL_ARTERY = "Gelezhe 2021"  # in `SOURCES`, of how deep it lies
+
+
 @dataclass(frozen=True)
 class Course:
     """A typical course.
@@ -168,6 +171,27 @@ COURSES = (
         "over the tendon of the inner canthus to the back of the nose and down to the tip",
     ),
 )
+
+
+def courses_in(region: Ellipsoid) -> list[Course]:
+    """List the courses of which a part lies in a region, on either side.
+
+    Parameters
+    ----------
+    region
+        The region, on the neutral body.
+
+    Returns
+    -------
+    list[Course]
+        The courses.
+    """
+    found = []
+    for course in COURSES:
+        sides = [_dense(np.array(course.way) * (sign, 1.0, 1.0, 1.0))[:, :3] for sign in (1.0, -1.0)]
+        if any(np.count_nonzero(region.level(way) < -_CLEAR) * _STEP >= _SHORTEST for way in sides):
+            found.append(course)
+    return found
 
 
 def vessels_on(skin: BodySurface, region: Ellipsoid, tissue: Tissue, depths: tuple[float, float]) -> tuple[Vessel, ...]:
