@@ -18,8 +18,9 @@ CACHE = ROOT / "build" / "extension"
 # What `lappet` imports when the add-on drives it. numpy is Blender's own; a wheel of usd-core would stand before
 # Blender's pxr for every add-on. trimesh reads mesh files for the command line; Blender reads them itself.
 BUNDLED = ("manifold3d", "msgpack", "platformdirs", "pyzmq")
-# Blender 4.5 to 5.1, Blender 5.2, and the Python that Debian builds its Blender 5.2 with.
+# Blender 4.5 to 5.1, Blender 5.2, and the Python that Debian builds its Blender 5.2 with: on Linux only.
 PYTHONS = ("3.11", "3.13", "3.14")
+OF_DEBIAN = ("3.14",)
 # Blender's name of a platform -> what pip calls those whose wheels run there.
 PLATFORMS = {
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
@@ -51,7 +52,8 @@ def download(name: str, pythons: list[str], platform: str, cache: Path = CACHE) 
 
 def bundled(platform: str, cache: Path = CACHE) -> list[Path]:
     """Every wheel of others that the extension for a platform carries, sorted by name."""
-    return sorted((w for name in BUNDLED for w in download(name, list(PYTHONS), platform, cache)), key=lambda w: w.name)
+    pythons = [each for each in PYTHONS if platform.startswith("linux-") or each not in OF_DEBIAN]
+    return sorted((w for name in BUNDLED for w in download(name, pythons, platform, cache)), key=lambda w: w.name)
 
 
 def _fetch(package: Locked, python: str, platform: str, folder: Path) -> Path:

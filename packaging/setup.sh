@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes a checkout ready on Debian 12: system packages, a Python environment in .venv, the daemon in build/solverd,
-# the program of lessons in build/viewer.
+# Makes a checkout ready on Debian 12: system packages, a Python environment in .venv, the program of lessons in
+# build/viewer, the daemon in build/solverd.
 # Does only what is missing, so running it again is quick. Never asks a question.
 #
 #   bash packaging/setup.sh                everything
@@ -123,7 +123,17 @@ install_python() {
     echo "$stamp" >"$stamp_file"
 }
 
-# ---- 3. the daemon ------------------------------------------------------------------------------------------------
+# ---- 3. the program of lessons --------------------------------------------------------------------------------------
+
+# Before the daemon: a compiler's error leaves nothing else undone.
+build_viewer() {
+    local needed=()
+    [ "$with_models" = yes ] && needed=(--tests)
+    "$venv/bin/python" packaging/viewer.py "${needed[@]}" ||
+        refuse "the program of lessons could not be built; see the message above."
+}
+
+# ---- 4. the daemon ------------------------------------------------------------------------------------------------
 
 build_daemon() {
     # A build folder that was copied or moved here belongs to another checkout: configure it anew.
@@ -143,15 +153,6 @@ build_daemon() {
         refuse "the daemon did not compile; see the compiler's message above."
 }
 
-# ---- 4. the program of lessons --------------------------------------------------------------------------------------
-
-build_viewer() {
-    local needed=()
-    [ "$with_models" = yes ] && needed=(--tests)
-    "$venv/bin/python" packaging/viewer.py "${needed[@]}" ||
-        refuse "the program of lessons could not be built; see the message above."
-}
-
 # ---- 5. the package of the body models -----------------------------------------------------------------------------
 
 fetch_models() {
@@ -162,7 +163,7 @@ fetch_models() {
 
 install_system_packages
 install_python
-build_daemon
 build_viewer
+build_daemon
 fetch_models
 say "ready: .venv/bin/lappet and build/solverd/lappet-solverd"

@@ -9,15 +9,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import click
 import pytest
 
 from command_runs import run
-from lappet.commands import completion_command, new_command, render_command
+from lappet.commands import completion_command
 from lappet.commands.cli import cli
 from lappet.installation import Finding
-from lappet.output import render
-from lappet.tissue import mesh_file
 
 
 @pytest.fixture
@@ -98,13 +95,3 @@ def test_bash_itself_completes_with_the_script(tmp_path: Path) -> None:
     path = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
     said = subprocess.run(["bash", "-c", words], capture_output=True, text=True, check=True, env=path)
     assert said.stdout.split() == ["doctor"]
-
-
-def test_the_help_names_every_value_that_is_allowed() -> None:
-    assert tuple(render.VIEWS) == render_command.VIEWS
-    assert tuple(render.COLORS) == render_command.COLORS
-    assert tuple(render.ENGINES) == render_command.ENGINES
-    assert set(new_command.UNITS) == set(mesh_file.UNITS)
-    for name in ("render", "new"):
-        options = [each for each in cli.commands[name].params if isinstance(each, click.Option)]
-        assert all(each.metavar or each.type is not click.STRING for each in options)

@@ -66,6 +66,30 @@ def small_wheel(folder: Path, tag: str, **more: str) -> Path:
     return made
 
 
+def test_a_zip_carries_wheels_for_the_pythons_of_blender_on_its_platform(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Blender 4.5 to 5.1 have 3.11, 5.2 has 3.13; Debian builds its own with 3.14."""
+    asked: dict[str, set[str]] = {}
+
+    def download(name: str, pythons: list[str], platform: str, cache: Path) -> list[Path]:
+        asked.setdefault(platform, set()).update(pythons)
+        return [cache / f"{name}-{platform}.whl"]
+
+    monkeypatch.setattr(pypi_wheels, "download", download)
+    for platform in pypi_wheels.PLATFORMS:
+        assert len(pypi_wheels.bundled(platform, tmp_path)) == len(pypi_wheels.BUNDLED)
+    blender = {"3.11", "3.13"}
+    linux = blender | {"3.14"}
+    assert asked == {
+        "linux-x64": linux,
+        "linux-arm64": linux,
+        "macos-arm64": blender,
+        "macos-x64": blender,
+        "windows-x64": blender,
+    }
+
+
 def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path) -> None:
     other = tmp_path / "pyzmq-27.3.0-cp312-abi3-win_amd64.whl"
     with zipfile.ZipFile(other, "w") as archive:

@@ -90,6 +90,32 @@ def test_missing_packages_without_root_or_sudo_are_a_sentence(tmp_path: Path) ->
     assert " cppzmq-dev " in done.stderr
 
 
+def test_a_daemon_that_does_not_compile_leaves_the_program_of_lessons_made(tmp_path: Path) -> None:
+    """A copy of the script runs a Python that only writes down its commands, and a CMake that fails."""
+    (tmp_path / "packaging").mkdir()
+    shutil.copy(ROOT / "packaging" / "setup.sh", tmp_path / "packaging")
+    for name in ("pyproject.toml", "packaging/lock.txt"):
+        (tmp_path / name).write_text("")
+    ran = tmp_path / "ran"
+    tools = tmp_path / "tools"
+    for folder in (tools, tmp_path / ".venv" / "bin"):
+        folder.mkdir(parents=True)
+    for tool in ("bash", "cat", "cut", "dirname", "grep", "sha256sum"):
+        found = shutil.which(tool)
+        assert found is not None
+        (tools / tool).symlink_to(found)
+    for program, status in ((tmp_path / ".venv/bin/python", 0), (tools / "cmake", 1)):
+        program.write_text(f'#!{tools}/bash\necho "{program.name} $*" >>"{ran}"\nexit {status}\n')
+        program.chmod(0o755)
+    command = [str(tools / "bash"), str(tmp_path / "packaging/setup.sh")]
+    done = subprocess.run(command, env={"PATH": str(tools)}, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 1
+    assert "could not configure the daemon" in done.stderr
+    first, last = ran.read_text().splitlines()[-2:]
+    assert first == "python packaging/viewer.py"
+    assert last.startswith("cmake ")
+
+
 def test_make_alone_lists_the_commands() -> None:
     done = subprocess.run(["make", "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True)
     listed = re.findall(r"^make (\w+) +\w", done.stdout, re.MULTILINE)

@@ -10,6 +10,21 @@ import click
 
 from lappet.commands.refusals import sentences
 
+# Groups of cases of `lappet.reports.stability`, which `--help` does not load.
+GROUPS = (
+    "poisson",
+    "contrast",
+    "fibers",
+    "models",
+    "stretch",
+    "compression",
+    "twist",
+    "starts",
+    "buckling",
+    "stiffness",
+)
+GROUPS += ("fights", "bone", "thin", "floating", "scale", "spacing", "cuts", "many cuts")
+
 
 def _output(name: str) -> Callable[[Any], Any]:
     return click.option(
@@ -60,8 +75,9 @@ def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path,
 def error_estimate(context: click.Context, /, scenes: tuple[str, ...], folder: Path, fitting: bool) -> None:
     """Compare the estimated error with the true one, on SCENES that the estimate was not fitted on.
 
-    SCENES: hanging-flap, rotation-flap, v-y, dome-flap, layered-closure, released-hook, taut-excision, stiff-fibers,
-    soft-fibers, muscle-bar, muscle-plate, strip-over-bone, punch. All by default.
+    SCENES: hanging-flap, rotation-flap, v-y, dome-flap, layered-closure, fusiform-closure, running-closure, held-flap,
+    released-hook, taut-excision, stiff-fibers, soft-fibers, muscle-bar, muscle-plate, strip-over-bone, punch. All by
+    default.
     """
     with sentences(context):
         from lappet.reports.error_estimate.run import run_error_estimate
@@ -74,7 +90,13 @@ def error_estimate(context: click.Context, /, scenes: tuple[str, ...], folder: P
 
 @report.command("stability")
 @_output("stability")
-@click.option("--only", multiple=True, metavar="GROUP", help="Solve only this group of cases; may be repeated.")
+@click.option(
+    "--only",
+    multiple=True,
+    type=click.Choice(GROUPS),
+    metavar="GROUP",
+    help="Solve only this group of cases; may be repeated.",
+)
 @click.option("--quick", is_flag=True, help="Skip the slow cases.")
 @click.option(
     "--fuzz",
@@ -91,7 +113,8 @@ def stability(
 ) -> None:
     """Solve stiff and extreme cases: each must converge, or be refused for the right reason.
 
-    The exit status is 1 if a case ends otherwise.
+    The exit status is 1 if a case ends otherwise. GROUP: poisson, contrast, fibers, models, stretch, compression,
+    twist, starts, buckling, stiffness, fights, bone, thin, floating, scale, spacing, cuts, "many cuts".
     """
     with sentences(context):
         from lappet.reports.stability.run import chosen_cases, run_fuzz, run_stability
