@@ -17,7 +17,7 @@ from lappet.models.body_shape import BodyShape
 from lappet.models.model_choice import ModelChoice
 from lappet.models.new_model import new_model
 from lappet.models.scar_band import with_scar_band
-from lappet.procedure import Point, Procedure
+from lappet.procedure import FlapLines, Point, Procedure
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,16 @@ REGIONAL_FLAPS = {
             scar=(44.0, 6.0),
         ),
         RegionalFlap(
+            "web_five_flap",
+            "the edge of the first web space",
+            "web-space",
+            "five-flap-z-plasty",
+            (-447.0, 259.5, 167.0),
+            (-1.0, 0.1, 0.1),
+            {"limb": 6.0},
+            "The web is not contracted, and nothing below its skin keeps it thick.",
+        ),
+        RegionalFlap(
             "cheek_limberg",
             "the cheek",
             "cheek",
@@ -118,6 +128,17 @@ REGIONAL_FLAPS = {
             (-3.0, 156.0, 705.0),
             (1.0, 0.0, 0.0),
             {"diameter": 7.0},
+            "The nose has no cartilage but a bed that does not move: its ala cannot be drawn up.",
+            mirrored=True,
+        ),
+        RegionalFlap(
+            "nose_trilobed",
+            "the tip of the nose",
+            "nose",
+            "trilobed",
+            (-3.0, 157.5, 702.0),
+            (1.0, 0.0, -0.3),
+            {"diameter": 6.0},
             "The nose has no cartilage but a bed that does not move: its ala cannot be drawn up.",
             mirrored=True,
         ),
@@ -143,6 +164,25 @@ REGIONAL_FLAPS = {
             "A dog-ear stands beside the tip, where a surgeon takes a triangle away.",
         ),
         RegionalFlap(
+            "scalp_rotation",
+            "the scalp",
+            "scalp",
+            "rotation",
+            (-12.0, 45.0, 840.0),
+            (0.0, 1.0, 0.0),
+            remark="Hair and galea are not in the model.",
+        ),
+        RegionalFlap(
+            "cheek_cervicofacial",
+            "the cheek below the eye",
+            "face",
+            "cervicofacial",
+            (-45.6, 127.5, 703.1),
+            (0.1, 0.0, 1.0),
+            {"width": 14.0, "length": 17.0, "reach": 30.0, "drop": 44.0},
+            "The model ends in front of the ear and at the jaw, so that no skin comes from the neck.",
+        ),
+        RegionalFlap(
             "temple_o_z",
             "the temple",
             "temple",
@@ -150,6 +190,15 @@ REGIONAL_FLAPS = {
             (-70.0, 75.0, 755.0),
             "along",
             {"diameter": 10.0},
+        ),
+        RegionalFlap(
+            "forehead_h",
+            "the forehead",
+            "forehead",
+            "h-plasty",
+            (-15.0, 138.0, 785.0),
+            "along",
+            {"width": 12.0},
         ),
         RegionalFlap(
             "lip_a_t",
@@ -162,6 +211,15 @@ REGIONAL_FLAPS = {
             "The lip is skin on a bed: it has no muscle and no red inside.",
         ),
         RegionalFlap(
+            "cheek_island",
+            "the cheek beside the nose",
+            "cheek",
+            "island-v-y",
+            (-40.1, 130.2, 694.0),
+            (0.4, 0.0, 0.9),
+            {"width": 10.0},
+        ),
+        RegionalFlap(
             "limb_keystone",
             "the thigh",
             "limb",
@@ -170,6 +228,15 @@ REGIONAL_FLAPS = {
             (-0.1, 0.0, 1.0),
             {"length": 42.0, "width": 14.0},
             "Perforators are not in the model.",
+        ),
+        RegionalFlap(
+            "trunk_keystone",
+            "the trunk",
+            "trunk",
+            "keystone-iii",
+            (-37.3, 137.5, 257.7),
+            (-1.0, 0.0, 0.0),
+            remark="Perforators are not in the model.",
         ),
         RegionalFlap(
             "lip_karapandzic",
@@ -230,9 +297,11 @@ def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = Tr
     start = new_model(flap.model, ModelChoice(shape=shape, scenery=scenery))
     if spacing is not None:
         start = replace(start, tissue=replace(start.tissue, spacing=spacing))
+    lines: FlapLines = ""
     direction: ArrayLike = flap.direction
     if isinstance(flap.direction, str):
-        direction = skin_line_direction(start, flap.at, across=flap.direction == "across")
+        lines = flap.direction
+        direction = skin_line_direction(start, flap.at, across=lines == "across")
     if flap.scar is not None:
         start = with_scar_band(start, flap.at, direction, *flap.scar)
-    return add_flap(start, flap.design, flap.at, direction, flap.measures, mirrored=flap.mirrored)
+    return add_flap(start, flap.design, flap.at, direction, flap.measures, mirrored=flap.mirrored, lines=lines)

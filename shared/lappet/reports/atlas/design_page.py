@@ -108,8 +108,8 @@ def _results(design: LibraryDesign, rows: Mapping[str, Mapping[str, Any]], spaci
         f"frame ({row['frames']} of {row['of_frames']} frames converged)."
     )
     about += f" The suture that pulls most is `{suture}`." if suture else ""
-    about += f" {design.remark}" if design.remark else ""
-    return ["## What was measured", "", about, "", measured_table(rows, design.name), ""]
+    remark = [design.remark, ""] if design.remark else []
+    return ["## What was measured", "", about, "", *remark, measured_table(rows, design.name), ""]
 
 
 def _literature(design: LibraryDesign, found: Mapping[str, Mapping[str, Any]]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -58,11 +59,13 @@ class AtlasRow:
 
 
 @dataclass(frozen=True)
-class ModelRow(AtlasRow):
-    """What a design gave on a model of the body; its name is that of the operation.
+class ModelRow:
+    """What a design gave on a model of the body.
 
     Parameters
     ----------
+    measured
+        What is measured of every design; its name is that of the operation.
     design
         Name of the design.
     model
@@ -79,6 +82,7 @@ class ModelRow(AtlasRow):
         Why the solve ended before its last frame, a sentence, or "".
     """
 
+    measured: AtlasRow
     design: str
     model: str
     spacing: float
@@ -86,6 +90,17 @@ class ModelRow(AtlasRow):
     newton: int
     moved: dict[str, tuple[float, float | None]]
     reason: str
+
+    def flat(self) -> dict[str, Any]:
+        """Put all of it into one map.
+
+        Returns
+        -------
+        dict[str, Any]
+            Everything by its name.
+        """
+        own = {name: value for name, value in vars(self).items() if name != "measured"}
+        return {**vars(self.measured), **own}
 
 
 def atlas_row(name: str, result: SolveResult) -> AtlasRow:
@@ -148,7 +163,7 @@ def model_row(name: str, design: str, model: str, result: SolveResult) -> ModelR
     lattice = result.frames[-1].solved.lattice if result.frames else None
     reason = result.reason
     return ModelRow(
-        **vars(atlas_row(name, result)),
+        atlas_row(name, result),
         design=design,
         model=model,
         spacing=result.procedure.tissue.spacing,
@@ -166,7 +181,8 @@ def _moved(result: SolveResult) -> dict[str, tuple[float, float | None]]:
     first, last = (result.frames[k].solved for k in (0, -1))
     own, names = _anatomical(result.procedure), result.program.landmarks
     before = dict(zip(first.landmark_index.tolist(), first.landmarks, strict=True))
-    errors = result.errors.frames[-1].landmarks if result.errors and result.errors.frames else ()
+    estimate = result.errors.frames[-1] if result.errors and result.errors.frames else None
+    errors = estimate.landmarks if estimate else ()
     found: dict[str, tuple[float, float | None]] = {}
     for row, (which, now) in enumerate(zip(last.landmark_index.tolist(), last.landmarks, strict=True)):
         if names[which] in own and which in before:

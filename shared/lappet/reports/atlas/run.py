@@ -76,11 +76,11 @@ def run_atlas(
         result, written = _solved(name, flap_on_model(name), folder, pictures)
         flap = REGIONAL_FLAPS[name]
         on_models.append(model_row(name, flap.design, flap.model, result))
-        say(_line(name, on_models[-1]))
+        say(_line(name, on_models[-1].measured))
         files += written
     results = folder / RESULTS
-    write_json(results, head(), rows, spacing_mm=spacing, model_rows=on_models)
-    return [*rows, *on_models], [*files, results]
+    write_json(results, head(), rows, spacing_mm=spacing, model_rows=[row.flat() for row in on_models])
+    return [*rows, *(row.measured for row in on_models)], [*files, results]
 
 
 def _regional(designs: Sequence[str], places: str, say: Callable[[str], None]) -> list[str]:
