@@ -27,42 +27,43 @@ def draw_plans() -> None:
 
 
 def keep_atlas(folder: Path) -> None:
-    """Copy the results, and the plate of each design as JPEG; designs that the run left out keep their rows."""
+    """Copy the results, and the plate of each operation as JPEG; those that the run left out keep their rows."""
     results = json.loads((folder / "atlas.json").read_text(encoding="utf-8"))
     before = json.loads((DOCS / "atlas.json").read_text(encoding="utf-8"))
-    if before["spacing_mm"] != results["spacing_mm"] and len(kept_rows(before, results)):
+    if before["spacing_mm"] != results["spacing_mm"] and results["rows"] and len(kept_rows(before, results)):
         sys.exit(f"The rows kept are at {before['spacing_mm']} mm: run the atlas at that spacing, or for all designs.")
     together = json.dumps(merged(before, results), indent=1, ensure_ascii=False)
     (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
-    for row in results["rows"]:
+    for row in [*results["rows"], *results.get("model_rows", [])]:
         plate = Image.open(folder / f"{row['name']}.png").convert("RGB")
         plate.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
 
 
-def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any]) -> list[Any]:
-    """The rows of designs that a run left out."""
-    solved = {row["name"] for row in results["rows"]}
-    return [row for row in before["rows"] if row["name"] not in solved]
+def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any], rows: str = "rows") -> list[Any]:
+    """The rows of operations that a run left out."""
+    solved = {row["name"] for row in results.get(rows, [])}
+    return [row for row in before.get(rows, []) if row["name"] not in solved]
 
 
 def merged(before: Mapping[str, Any], results: Mapping[str, Any]) -> dict[str, Any]:
-    """The results of a run with the rows that it left out, each run with what it was taken on and its designs."""
-    kept = kept_rows(before, results)
+    """The results of a run with the rows that it left out, each run with what it was taken on and its operations."""
+    spacing = (results if results["rows"] else before)["spacing_mm"]
+    patch, models = (_together(before, results, *keys) for keys in (("runs", "rows"), ("model_runs", "model_rows")))
+    return {"spacing_mm": spacing, **patch, **models}
+
+
+def _together(before: Mapping[str, Any], results: Mapping[str, Any], runs: str, rows: str) -> dict[str, Any]:
+    kept, new = kept_rows(before, results, rows), results.get(rows, [])
     names = {row["name"] for row in kept}
-    first = {**_head(before), "designs": [row["name"] for row in before["rows"]]}
-    runs = [
-        {**run, "designs": [name for name in run["designs"] if name in names]} for run in before.get("runs", [first])
-    ]
-    runs.append({**_head(results), "designs": [row["name"] for row in results["rows"]]})
-    return {
-        "spacing_mm": results["spacing_mm"],
-        "runs": [run for run in runs if run["designs"]],
-        "rows": [*kept, *results["rows"]],
-    }
+    first = {**_head(before), "designs": [row["name"] for row in before.get(rows, [])]}
+    own = [{**run, "designs": [name for name in run["designs"] if name in names]} for run in before.get(runs, [first])]
+    own.append({**_head(results), "designs": [row["name"] for row in new]})
+    return {runs: [run for run in own if run["designs"]], rows: [*kept, *new]}
 
 
 def _head(results: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in results.items() if name not in ("rows", "spacing_mm")}
+    apart = ("runs", "rows", "model_runs", "model_rows", "spacing_mm")
+    return {name: value for name, value in results.items() if name not in apart}
 
 
 if __name__ == "__main__":

@@ -119,7 +119,7 @@ def stage(root: Path, into: Path, downloads: Path | None = None) -> list[Path]:
     into
         The staging folder; what is in it from a page that no longer exists is removed.
     downloads
-        A folder with files to download, named as the pages of `docs/flaps` are; None for none.
+        A folder with files to download, those of a page of `docs/flaps` in a folder of its name; None for none.
 
     Returns
     -------
@@ -139,8 +139,8 @@ def stage(root: Path, into: Path, downloads: Path | None = None) -> list[Path]:
         if pattern := BELOW.get(page.as_posix()):
             text += _tree("", [_document(other) for other in pages if _matches(other, pattern)])
         if downloads is not None and page.parent == Path("docs/flaps"):
-            offered = sorted(downloads.glob(f"{page.stem}.*"))
-            text += download_section([file.name for file in offered])
+            offered = sorted((downloads / page.stem).glob("*"))
+            text += download_section([file.name for file in offered], page.stem)
             for file in offered:
                 wanted.add(page.parent / file.name)
                 _copy(file, into / page.parent / file.name)
@@ -150,14 +150,23 @@ def stage(root: Path, into: Path, downloads: Path | None = None) -> list[Path]:
     return pages
 
 
-def download_section(names: Sequence[str]) -> str:
-    """The end of a design's page: its operation as files."""
+def download_section(names: Sequence[str], design: str) -> str:
+    """The end of a design's page: its operations as files, first the one on a patch, which has the design's name."""
     if not names:
         return ""
     said = {".usda": "for the command line and other programs that read USD", ".blend": "for Blender and the extension"}
-    lines = [f"- [{name}]({name}), {said[Path(name).suffix]}" for name in names]
-    about = "The operation at its defaults on a flat patch, not solved."
-    return "\n".join(["", "## Download", "", about, "", *lines, ""])
+    lines = []
+    for on_patch in (True, False):
+        files = [name for name in names if (Path(name).stem == design) == on_patch]
+        where = "The operation at its defaults on a flat patch" if on_patch else "The same design on a body (CC0)"
+        if files:
+            lines += [
+                f"{where}, not solved:",
+                "",
+                *(f"- [{name}]({name}), {said[Path(name).suffix]}" for name in files),
+            ]
+            lines.append("")
+    return "\n".join(["", "## Download", "", *lines])
 
 
 def write_if_changed(path: Path, text: str) -> None:

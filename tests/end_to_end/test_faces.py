@@ -2,67 +2,54 @@
 
 from __future__ import annotations
 
-import importlib.util
+import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 from lappet.checks.validation import check
 from lappet.models.body_package import is_fetched
+from lappet.models.regional_flaps import REGIONAL_FLAPS, flap_on_model
 from lappet.output.report import report
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Undermine
 from lappet.program.compile import compile_program
 from lappet.solve.store import FrameStore
+from lappet.usd.stage import read_procedure
 
 FACES = Path(__file__).resolve().parents[2] / "examples" / "faces"
-NAMES = (
-    "cheek_limberg",
-    "nose_bilobed",
-    "temple_o_z",
-    "upper_eyelid",
-    "ala_nasolabial",
-    "nose_dorsal",
-    "nose_forehead",
-    "lip_a_t",
-    "lip_karapandzic",
-    "limb_keystone",
-    "web_z_plasty",
-    "neck_z_plasty",
-)
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+FLAPS = DOCS / "images" / "flaps"
+NAMES = tuple(REGIONAL_FLAPS)
 pytestmark = pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
 
 
-def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("build_faces", FACES / "build.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_names_tested_are_those_that_can_be_built() -> None:
-    assert tuple(script().OPERATIONS) == NAMES
+def test_the_example_writes_each_operation_and_names_them_for_a_wrong_name(tmp_path: Path) -> None:
+    file = tmp_path / "web.usda"
+    command = [sys.executable, str(FACES / "build.py")]
+    subprocess.run([*command, "web_z_plasty", str(file)], check=True, capture_output=True)
+    assert read_procedure(file) == flap_on_model("web_z_plasty")
+    wrong = subprocess.run([*command, "webb"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 1
+    assert all(name in wrong.stderr for name in NAMES)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_operation_on_a_face_is_sound_and_has_its_picture(name: str) -> None:
-    procedure = script().build(name)
+    procedure = flap_on_model(name)
     assert [str(each) for each in check(procedure) if each.severity == "error"] == []
     program = compile_program(procedure)
     assert [str(note) for note in program.notes if note.severity == "error"] == []
     assert procedure.scenery  # the rest of the head
-    assert 20_000 < (FACES / f"{name}.jpg").stat().st_size < 400_000
-    assert f"{name}.jpg" in (FACES / "README.md").read_text(encoding="utf-8")
+    design = REGIONAL_FLAPS[name].design
+    assert 20_000 < (FLAPS / f"{name}.jpg").stat().st_size < 400_000
+    assert f"{name}.jpg" in (DOCS / "flaps" / f"{design}.md").read_text(encoding="utf-8")
 
 
 def test_limbergs_flap_closes_the_defect_of_a_cheek(tmp_path: Path) -> None:
-    procedure = script().build("cheek_limberg", spacing=1.5)
+    procedure = flap_on_model("cheek_limberg", spacing=1.5)
     result = solve_procedure(
         procedure, tmp_path / "cheek.usdc", store=FrameStore(tmp_path / "store"), error_estimate=False
     )
@@ -76,7 +63,7 @@ def test_limbergs_flap_closes_the_defect_of_a_cheek(tmp_path: Path) -> None:
 
 
 def test_a_keystone_flap_goes_into_its_defect_on_the_bed_that_carries_it(tmp_path: Path) -> None:
-    procedure = script().build("limb_keystone", spacing=3.0)
+    procedure = flap_on_model("limb_keystone", spacing=3.0)
     assert not any(isinstance(event, Undermine) for event in procedure.events)
     result = solve_procedure(
         procedure, tmp_path / "limb.usdc", store=FrameStore(tmp_path / "store"), error_estimate=False
@@ -90,7 +77,7 @@ def test_a_keystone_flap_goes_into_its_defect_on_the_bed_that_carries_it(tmp_pat
 
 
 def test_a_contracted_scar_pulls_across_the_lines_of_the_skin() -> None:
-    procedure = script().build("neck_z_plasty", spacing=2.5)
+    procedure = flap_on_model("neck_z_plasty", spacing=2.5)
     regions = {region.material: region for region in procedure.tissue.regions}
     assert len(procedure.tissue.subsets[regions["scar"].faces]) > 20
     along, across = procedure.material("scar").prestretch

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from flap_downloads import write_downloads
 from flap_pictures import merged
 from lappet.designs.library_operation import flap_on_patch
+from lappet.models.body_package import is_fetched
+from lappet.models.regional_flaps import flap_on_model
 from lappet.usd.stage import read_procedure
 from website.pages import download_section
 
@@ -33,11 +37,36 @@ def test_a_run_of_all_designs_leaves_one_run() -> None:
     assert [each["revision"] for each in both["runs"]] == ["c"]
 
 
+def test_a_run_on_models_alone_keeps_every_row_of_the_patch_and_its_spacing() -> None:
+    patch = merged(run("a", "limberg"), run("b", "note"))
+    models = {**run("c"), "spacing_mm": 9.0, "model_rows": [{"name": "cheek_limberg"}, {"name": "nose_bilobed"}]}
+    both = merged(patch, models)
+    assert (both["spacing_mm"], both["rows"], both["runs"]) == (patch["spacing_mm"], patch["rows"], patch["runs"])
+    again = merged(both, {**run("d"), "model_rows": [{"name": "nose_bilobed", "frames": 40}]})
+    assert [row["name"] for row in again["model_rows"]] == ["cheek_limberg", "nose_bilobed"]
+    assert [(each["revision"], each["designs"]) for each in again["model_runs"]] == [
+        ("c", ["cheek_limberg"]),
+        ("d", ["nose_bilobed"]),
+    ]
+
+
 def test_the_site_offers_the_operation_of_a_design_as_it_is(tmp_path: Path) -> None:
-    files = write_downloads(tmp_path, ["limberg"])
-    assert {"limberg.usda"} <= {file.name for file in files} <= {"limberg.usda", "limberg.blend"}
-    assert read_procedure(tmp_path / "limberg.usda") == flap_on_patch("limberg")
+    files = write_downloads(tmp_path, ["note"])
+    assert {"note.usda"} <= {file.name for file in files} <= {"note.usda", "note.blend"}
+    assert read_procedure(tmp_path / "note" / "note.usda") == flap_on_patch("note")
     assert all(10_000 < file.stat().st_size < 2_000_000 for file in files)
-    section = download_section([file.name for file in files])
-    assert "[limberg.usda](limberg.usda)" in section
-    assert download_section([]) == ""
+    section = download_section([file.name for file in files], "note")
+    assert "[note.usda](note.usda)" in section
+    assert "body" not in section
+    assert download_section([], "note") == ""
+
+
+@pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
+def test_the_site_offers_a_design_on_a_body_too_where_it_belongs_on_one(tmp_path: Path) -> None:
+    files = write_downloads(tmp_path, ["a-t"])
+    assert {"a-t.usda", "lip_a_t.usda"} <= {file.name for file in files}
+    read = read_procedure(tmp_path / "a-t" / "lip_a_t.usda")
+    assert read == flap_on_model("lip_a_t", scenery=False)
+    assert all(file.stat().st_size < 8_000_000 for file in files)
+    section = download_section([file.name for file in files], "a-t")
+    assert section.index("a-t.usda") < section.index("on a body") < section.index("[lip_a_t.usda](lip_a_t.usda)")

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.library import DESIGNS
+from lappet.models.body_package import FOLDER_VARIABLE, is_fetched
+from lappet.models.regional_flaps import REGIONAL_FLAPS, flap_on_model
+from lappet.procedure import Landmark
 from lappet.reports.atlas.design_page import design_pages, rows_of
 from lappet.reports.atlas.page import flap_page
 from lappet.reports.atlas.run import run_atlas
 from lappet.reports.literature.rows import ROWS
 from refusals import refuses
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +51,8 @@ def test_the_page_leads_to_every_design_and_shows_the_numbers_of_those_that_were
     for name, design in DESIGNS.items():
         assert f"[{design.title}](flaps/{name}.md)" in page
     assert "24 of 24" in page
-    assert page.count("not solved") == len(DESIGNS) - 1
+    flat, _, on_a_body = page.partition("\n## On a body\n")
+    assert (flat.count("not solved"), on_a_body.count("not solved")) == (len(DESIGNS) - 1, len(REGIONAL_FLAPS))
 
 
 def test_each_design_has_a_page_with_its_measures_its_numbers_and_those_of_the_literature(folder: Path) -> None:
@@ -75,6 +83,89 @@ def test_a_design_that_the_library_does_not_have_is_refused_before_anything_is_s
     with refuses(ProblemCode.DESIGN_UNKNOWN):
         run_atlas(["fusiform", "limburg"], tmp_path / "atlas", print)
     assert not (tmp_path / "atlas").exists()
+
+
+def test_without_the_models_the_patch_is_solved_and_a_sentence_says_what_is_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "models"))
+    said: list[str] = []
+    rows, _ = run_atlas(["upper-lid"], tmp_path / "both", said.append, spacing=4.0, pictures=False)
+    assert [row.name for row in rows] == ["upper-lid"]
+    assert "lappet models fetch" in said[0]
+    said.clear()
+    run_atlas(["fusiform"], tmp_path / "none", said.append, spacing=4.0, pictures=False)
+    assert not any("models" in line for line in said)  # it belongs to no region
+    with refuses(ProblemCode.MODELS_NOT_FETCHED):
+        run_atlas(["upper-lid"], tmp_path / "models_only", said.append, places="models")
+    assert not (tmp_path / "models_only").exists()
+
+
+@pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
+def test_a_row_on_a_model_says_what_its_report_says_and_how_far_landmarks_went(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coarse = partial(flap_on_model, spacing=4.0)
+    monkeypatch.setattr("lappet.reports.atlas.run.flap_on_model", coarse)
+    rows, files = run_atlas(["keystone"], tmp_path, lambda line: None, pictures=False, places="models")
+    assert [row.name for row in rows] == ["limb_keystone"]
+    results = json.loads((tmp_path / "atlas.json").read_text(encoding="utf-8"))
+    assert results["rows"] == []
+    (row,) = results["model_rows"]
+    report = json.loads((tmp_path / "limb_keystone.json").read_text(encoding="utf-8"))
+    assert (row["design"], row["model"], row["spacing"]) == ("keystone", "limb", 4.0)
+    assert row["total_force"] == [report["sutures"][-1]["total_mn"], report["sutures"][-1]["total_error_mn"]]
+    assert row["newton"] == sum(frame["newton_iterations"] for frame in report["frames"])
+    own = {event.label for event in coarse("limb_keystone").events if isinstance(event, Landmark)}
+    first, last = (report["frames"][k]["landmarks"] for k in (0, -1))
+    for name, (moved, _) in row["moved"].items():
+        assert moved == pytest.approx(float(np.linalg.norm(np.subtract(last[name], first[name]))))
+    assert "flap middle" in own - set(row["moved"])  # of the flap, not of the body
+    assert tmp_path / "limb_keystone.usdc" in files
+
+
+def model_row(**more: object) -> dict[str, object]:
+    usual: dict[str, object] = {"name": "cheek_limberg", "design": "limberg", "model": "cheek", "spacing": 1.0}
+    usual |= {"cells": 33_000, "newton": 150, "frames": 40, "of_frames": 40, "reason": "", "total_force": [413.0, 20.0]}
+    usual |= {"greatest_suture": "suture_flap/deep/1", "scar_length": 46.0, "open_area": 0.5, "overlap": 1.2}
+    return {
+        **usual,
+        "moved": {"alare_left": [0.31, 0.02], "cheilion_left": [1.52, 0.1], "menton": [0.05, 0.01]},
+        **more,
+    }
+
+
+def page_of(*rows: dict[str, object]) -> str:
+    return design_pages({"rows": [], "spacing_mm": 1.5, "model_rows": list(rows)}, {"rows": []})["limberg"]
+
+
+def test_the_page_of_a_design_that_belongs_on_a_body_shows_it_there_with_what_moved() -> None:
+    page = page_of(model_row())
+    section = page.partition("## On the cheek\n")[2].partition("\n## ")[0]
+    assert "![On the cheek, step by step](../images/flaps/cheek_limberg.jpg)" in section
+    assert "40 of 40 frames converged" in section
+    assert "413" in section
+    assert section.index("`cheilion_left` 1.5") < section.index("`alare_left` 0.31")  # the farthest first
+    assert "menton" not in section
+
+
+def test_an_operation_that_did_not_come_to_its_end_is_shown_as_such() -> None:
+    assert "does not come to its end" not in page_of(model_row())
+    page = page_of(model_row(frames=23, reason="The frame at time 24 did not converge."))
+    assert "23 of 40 frames converged" in page
+    assert "**It does not come to its end**: The frame at time 24 did not converge." in page
+    assert "cheek_limberg.jpg" not in page_of(model_row(frames=0))
+    assert "The last atlas does not have this operation." in page_of()
+
+
+def test_the_last_atlas_has_every_operation_on_a_body_and_the_page_of_all_designs_leads_to_each() -> None:
+    results = json.loads((DOCS / "atlas.json").read_text(encoding="utf-8"))
+    assert {row["name"] for row in results["model_rows"]} == set(REGIONAL_FLAPS)
+    page = flap_page(results)
+    for row in results["model_rows"]:
+        flap = REGIONAL_FLAPS[row["name"]]
+        assert (row["design"], row["model"]) == (flap.design, flap.model)
+        assert f"](flaps/{flap.design}.md#on-" in page
 
 
 def test_the_command_says_what_it_wrote(tmp_path: Path) -> None:

@@ -187,18 +187,38 @@ def tissues(context: click.Context, /, folder: Path) -> None:
 @report.command("atlas")
 @click.argument("designs", nargs=-1)
 @_output("atlas")
-@click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.  [default: 1.33]")
+@click.option(
+    "--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm on the patch.  [default: 1.33]"
+)
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw a plate of each.")
+@click.option(
+    "--on",
+    "places",
+    type=click.Choice(("both", "patch", "models")),
+    default="both",
+    show_default=True,
+    help="Solve them on the flat patch, on the models of the body that they belong on, or on both.",
+)
 @click.pass_context
 def atlas(
-    context: click.Context, /, designs: tuple[str, ...], folder: Path, spacing: float | None, pictures: bool
+    context: click.Context,
+    /,
+    designs: tuple[str, ...],
+    folder: Path,
+    spacing: float | None,
+    pictures: bool,
+    places: str,
 ) -> None:
-    """Solve and draw DESIGNS of the flap library at their defaults on a flat patch: all of them by default."""
+    """Solve and draw DESIGNS of the flap library: all of them by default.
+
+    Each is solved at its defaults on a flat patch, and where it belongs on a body (docs/flaps.md), if the package of
+    the models is there (`lappet models fetch`).
+    """
     with sentences(context):
         from lappet.designs.library_operation import SPACING
         from lappet.reports.atlas.run import run_atlas
 
-        rows, files = run_atlas(designs, folder, _say, spacing=spacing or SPACING, pictures=pictures)
+        rows, files = run_atlas(designs, folder, _say, spacing=spacing or SPACING, pictures=pictures, places=places)
         for path in files:
             click.echo(path)
     if any(row.frames < row.of_frames for row in rows):

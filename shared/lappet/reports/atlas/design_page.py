@@ -9,21 +9,11 @@ from lappet.bench.tables import markdown_table
 from lappet.designs.flap_plan import flap_plan
 from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign
-from lappet.reports.atlas.page import measured_text, plain_text
+from lappet.reports.atlas.measured import measured_table
+from lappet.reports.atlas.model_section import model_sections
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
 from lappet.reports.literature.run import value_text
-
-# What is shown of a row of the atlas: a field, what it is, its unit, whether it has an error.
-_MEASURED = (
-    ("total_force", "force of all sutures", "mN", True),
-    ("greatest_force", "greatest force of a suture", "mN", True),
-    ("tension", "greatest mean tension of the skin", "kPa", True),
-    ("scar_length", "length of the scar", "mm", False),
-    ("open_area", "wound still open", "mm²", False),
-    ("dog_ear", "greatest dog-ear", "mm", False),
-    ("overlap", "tissue in tissue", "mm", False),
-)
 
 
 def design_pages(results: Mapping[str, Any], literature: Mapping[str, Any]) -> dict[str, str]:
@@ -43,7 +33,12 @@ def design_pages(results: Mapping[str, Any], literature: Mapping[str, Any]) -> d
     """
     rows = {row["name"]: row for row in results["rows"]}
     found = {row["name"]: row for row in literature["rows"]}
-    return {name: _page(design, rows, float(results["spacing_mm"]), found) for name, design in DESIGNS.items()}
+    on_models = {row["name"]: row for row in results.get("model_rows", [])}
+    spacing = float(results["spacing_mm"])
+    return {
+        name: _page(design, _results(design, rows, spacing) + model_sections(name, on_models), name in rows, found)
+        for name, design in DESIGNS.items()
+    }
 
 
 def rows_of(design: str) -> list[Published]:
@@ -68,22 +63,17 @@ def _design_of(operation: str) -> str:
     return max(names, key=len, default="")
 
 
-def _page(
-    design: LibraryDesign,
-    rows: Mapping[str, Mapping[str, Any]],
-    spacing: float,
-    found: Mapping[str, Mapping[str, Any]],
-) -> str:
+def _page(design: LibraryDesign, results: list[str], is_solved: bool, found: Mapping[str, Mapping[str, Any]]) -> str:
     name, pictures = design.name, "../images/flaps"
     lines = ["<!-- Written by `make docs`. -->", f"# {design.title}", "", design.indication, ""]
-    if name in rows:
+    if is_solved:
         lines += [f"![{design.title}, step by step]({pictures}/{name}.jpg)", ""]
     lines += ["## The plan", "", f"![Plan: {design.title}]({pictures}/{name}_plan.svg)", "", *_meetings(design)]
     lines += [f"`--at` is {design.center}, `--direction` {design.direction}.", ""]
     if design.lines:
         lines += [f"Surgeons lay the direction {design.lines} the lines of the skin: `--lines {design.lines}`.", ""]
     lines += [f"```\nlappet flap add {name} -o {name}.usda\n```", "", "## Its measures", "", _measures(design), ""]
-    lines += [f"Sources: {design.sources}", "", *_results(design, rows, spacing), *_literature(design, found)]
+    lines += [f"Sources: {design.sources}", "", *results, *_literature(design, found)]
     lines += ["[All designs](../flaps.md)", ""]
     return "\n".join(lines)
 
@@ -112,18 +102,14 @@ def _results(design: LibraryDesign, rows: Mapping[str, Mapping[str, Any]], spaci
     row = rows.get(design.name)
     if row is None:
         return ["## What was measured", "", "The last atlas does not have this design.", ""]
-    table = []
-    for field, title, unit, with_error in _MEASURED:
-        text = (measured_text if with_error else plain_text)(rows, design.name, field)
-        table.append([f"{title}, {unit}", text or "not measured"])
     suture = row.get("greatest_suture")
     about = (
         f"At its defaults on a flat patch of the default skin, 4 mm thick, cells of {spacing:.3g} mm, in the last "
         f"frame ({row['frames']} of {row['of_frames']} frames converged)."
     )
     about += f" The suture that pulls most is `{suture}`." if suture else ""
-    about += f" {design.remark}" if design.remark else ""
-    return ["## What was measured", "", about, "", markdown_table(["what", "here"], table), ""]
+    remark = [design.remark, ""] if design.remark else []
+    return ["## What was measured", "", about, "", *remark, measured_table(rows, design.name), ""]
 
 
 def _literature(design: LibraryDesign, found: Mapping[str, Mapping[str, Any]]) -> list[str]:

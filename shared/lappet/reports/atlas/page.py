@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from lappet.bench.tables import markdown_table
-from lappet.core.value_with_error import with_error
 from lappet.designs.library import DESIGNS
+from lappet.reports.atlas.measured import measured_text, plain_text
+from lappet.reports.atlas.model_section import model_overview
 from lappet.reports.report_files import described
 
 FOLDER = "flaps"  # beside the page, with a page of each design
@@ -15,8 +16,9 @@ FOLDER = "flaps"  # beside the page, with a page of each design
 _INTRODUCTION = """# The flap library
 
 `make docs` writes this page, and one for each design, from `shared/lappet/designs/` and from the last `make atlas`,
-which solves and draws every design at its defaults on a flat patch of the default skin, 4 mm thick. On the site
-(`make site`) the page of a design also offers its operation as a file.
+which solves and draws every design at its defaults on a flat patch of the default skin, 4 mm thick, and those that
+belong to a region of the body on a [model](models.md) of it. On the site (`make site`) the page of a design also offers
+its operations as files.
 
 ```
 lappet flap list                                     # the designs
@@ -87,14 +89,18 @@ def flap_page(results: Mapping[str, Any]) -> str:
         The text of docs/flaps.md.
     """
     rows = {row["name"]: row for row in results["rows"]}
-    return "\n".join([_INTRODUCTION, _overview(rows, float(results["spacing_mm"])), _runs(results) + "\n"])
+    on_models = {row["name"]: row for row in results.get("model_rows", [])}
+    flat = [_overview(rows, float(results["spacing_mm"])), _runs(results, "runs") + "\n"]
+    return "\n".join([_INTRODUCTION, *flat, model_overview(on_models), _runs(results, "model_runs") + "\n"])
 
 
-def _runs(results: Mapping[str, Any]) -> str:
-    """What the rows were taken on: a line for each run, the longest one without the names of its designs."""
-    runs = results.get("runs")
-    if runs is None or len(runs) == 1:
-        return described(runs[0] if runs else results)
+def _runs(results: Mapping[str, Any], key: str) -> str:
+    """What the rows were taken on: a line for each run, the longest one without the names of its operations."""
+    runs = results.get(key)
+    if not runs:
+        return described(results) if "machine" in results else ""
+    if len(runs) == 1:
+        return described(runs[0])
     first, *others = sorted(runs, key=lambda run: -len(run["designs"]))
     lines = [described(first), *(f"{', '.join(run['designs'])}: {described(run)}" for run in others)]
     return "\n\n".join(lines)
@@ -129,47 +135,3 @@ def _overview(rows: Mapping[str, Mapping[str, Any]], spacing: float) -> str:
         "lies in other at the end: nothing keeps it apart without `--self-contact`.\n\n"
     )
     return about + markdown_table(headings, table) + "\n"
-
-
-def measured_text(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
-    """Write what the atlas measured with its estimated error.
-
-    Parameters
-    ----------
-    rows
-        The atlas's rows by design.
-    name
-        Name of the design.
-    what
-        Name of the measure.
-
-    Returns
-    -------
-    str
-        The number and its error; nothing where it was not measured.
-    """
-    value = rows.get(name, {}).get(what)
-    if value is None:
-        return ""
-    return with_error(*value)
-
-
-def plain_text(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:
-    """Write what the atlas measured without an error.
-
-    Parameters
-    ----------
-    rows
-        The atlas's rows by design.
-    name
-        Name of the design.
-    what
-        Name of the measure.
-
-    Returns
-    -------
-    str
-        The number; nothing where it was not measured.
-    """
-    value = rows.get(name, {}).get(what)
-    return "" if value is None else f"{value:.2g}" if value < 10.0 else f"{value:.0f}"
