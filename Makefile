@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos lint format docs site bench gallery atlas clean
+.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos foldings lint format docs site bench gallery atlas clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -40,6 +40,10 @@ sanitize:  ## run the daemon's tests, 100 000 mutated messages and several clien
 
 fuzz:  ## play MESSAGES (1 000 000) mutated messages of a SEED (1) under sanitizers; what fails goes to build/findings
 	@SEED=$(or $(SEED),1) bash packaging/sanitize.sh --messages $(or $(MESSAGES),1000000)
+
+foldings:  ## fold COUNT (500) flaps at random by SEED (1) with self-contact; another library looks whether tissue passes through tissue
+	@status=0; $(PYTHON) tests/foldings.py --count $(or $(COUNT),500) --seed $(or $(SEED),1) \
+		--result docs/robustness_foldings.json || status=$$?; $(PYTHON) packaging/documents.py --write >/dev/null; exit $$status
 
 chaos:  ## solve for two minutes while it is killed, stopped, interrupted, filled, cut and pruned, at random by SEED (1)
 	@status=0; $(PYTHON) tests/chaos.py --seconds 120 --seed $(or $(SEED),1) --result docs/robustness_chaos.json || status=$$?; \

@@ -7,7 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lappet.drawing.framing import FIELD_FILL, NEARER, WIDEST, half_angles, surgical_field, viewpoint, widened
+from lappet.drawing.framing import (
+    FIELD_FILL,
+    NEARER,
+    STEEPEST,
+    WIDEST,
+    Viewpoint,
+    half_angles,
+    surgical_field,
+    viewpoint,
+    viewpoint_on_skin,
+    widened,
+)
 from lappet.drawing.skin_read import SkinCache
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -60,3 +71,35 @@ def test_skin_of_a_body_that_faces_down_is_drawn_from_above(cache: SkinCache) ->
         view = viewpoint(lid, "oblique", (0.2, 0.15))
         assert (view.axes[2][2] > normal[2]) == above  # the camera stands higher, or lower, than along the normal
         assert view.axes[1][2] > 0.5  # the patient's head is up
+
+
+def steepness(back: np.ndarray) -> float:
+    """Degrees of a camera above a skin that faces up."""
+    return float(np.degrees(np.arcsin(back[2])))
+
+
+def test_an_oblique_view_is_steeper_where_it_would_show_the_border_of_a_patch(cache: SkinCache) -> None:
+    field, halves = surgical_field(cache, cache.frames), (0.2, 0.15)
+    usual = viewpoint(field, "oblique", halves)
+
+    def patch(half: float) -> np.ndarray:
+        return field.center + half * np.array([(x, y, 0.0) for x in (-1, 1) for y in (-1, 1)])
+
+    rays = np.array([(x * halves[0], y * halves[1], -1.0) for x in (-1, 1) for y in (-1, 1)])
+
+    def farthest(seen: Viewpoint) -> float:
+        to = rays @ seen.axes
+        hits = seen.position + ((field.center[2] - seen.position[2]) / to[:, 2])[:, None] * to
+        return float(np.abs(hits - field.center)[:, :2].max())
+
+    reach = farthest(usual)
+    wide = viewpoint_on_skin(field, "oblique", halves, patch(1.01 * reach))
+    np.testing.assert_allclose(wide.position, usual.position)
+    small = viewpoint_on_skin(field, "oblique", halves, patch(0.97 * reach))
+    assert 0.0 < steepness(small.axes[2]) - steepness(usual.axes[2]) <= STEEPEST + 1e-6
+    assert farthest(small) <= 0.97 * reach
+    hopeless = viewpoint_on_skin(field, "oblique", halves, patch(0.3 * reach))
+    np.testing.assert_allclose(hopeless.position, usual.position)
+    body = replace(field, context=2.0)
+    on_body = viewpoint_on_skin(body, "oblique", halves, patch(0.97 * reach))
+    np.testing.assert_allclose(on_body.position, viewpoint(body, "oblique", halves).position)

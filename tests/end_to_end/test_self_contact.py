@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import ipctk
 import numpy as np
 import pytest
 
@@ -17,15 +16,9 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import read_procedure
+from self_intersection import passes_through_itself
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-
-
-def passes_through_itself(points: np.ndarray, triangles: np.ndarray) -> bool:
-    """Whether an edge goes through a face, after the IPC Toolkit; points in mm, shape (n, 3)."""
-    places, faces = np.asarray(points, np.float64), np.asarray(triangles, np.int32)
-    edges = ipctk.edges(faces)
-    return bool(ipctk.has_intersections(ipctk.CollisionMesh(places, edges, faces), places))
 
 
 def frames_that_pass_through(example: str, spacing: float, self_contact: bool, folder: Path) -> list[float]:

@@ -23,9 +23,18 @@ if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
 
 from lappet.drawing.figure_steps import Step, hook_height, step_captions, story_steps
-from lappet.drawing.framing import VIEWS, SurgicalField, Viewpoint, half_angles, surgical_field, viewpoint, widened
+from lappet.drawing.framing import (
+    VIEWS,
+    SurgicalField,
+    Viewpoint,
+    half_angles,
+    surgical_field,
+    viewpoint_on_skin,
+    widened,
+)
 from lappet.drawing.hook_steel import HookSteel
 from lappet.drawing.section_plane import SectionPlane
+from lappet.drawing.skin_fields import SKIN
 from lappet.drawing.skin_marks import SkinMarks
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import SCALARS, FigureError
@@ -121,7 +130,9 @@ class Plate:
         clear_scene()
         scalar = request.color if request.color in SCALARS else None
         self._highest = full_scale(cache, scalar) if scalar else 1.0
-        view = viewpoint(field, request.view, half_angles(request.size))
+        first = cache.epoch_at(cache.frames[0])
+        skin = cache.positions(first, cache.frames[0])[np.unique(first.triangles[first.origin == SKIN])]
+        view = viewpoint_on_skin(field, request.view, half_angles(request.size), skin)
         pixel = 2 * view.distance * half_angles(request.size)[0] / request.size[0]
         opacity = TRANSLUCENT if request.translucent else 1.0
         materials = [

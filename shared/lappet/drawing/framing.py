@@ -15,6 +15,7 @@ from lappet.geometry.triangles import area_normals
 LENS, SENSOR = 90.0, 36.0  # focal length and the longer side of the sensor, mm
 VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0
+STEEPEST = 20.0  # degrees by which an oblique view is made steeper, at most, so that no border of a patch is seen
 AROUND_WHOLE = 1.6  # times the tissue, where there is no wound
 LEANING = 0.4  # of the angle to the normal: so much of it where a body is shown, which is known from the front
 MARGIN = 9.0
@@ -209,7 +210,9 @@ def field_around(
     return SurgicalField(field, center, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
-def viewpoint(field: SurgicalField, view: str, tangents: tuple[float, float], turned: float = TURN) -> Viewpoint:
+def viewpoint(
+    field: SurgicalField, view: str, tangents: tuple[float, float], turned: float = TURN, steeper: float = 0.0
+) -> Viewpoint:
     """Place the nearest camera in a view's direction that holds the whole field within its share of the picture.
 
     Parameters
@@ -222,13 +225,16 @@ def viewpoint(field: SurgicalField, view: str, tangents: tuple[float, float], tu
         Tangents of half the horizontal and vertical field of view (`half_angles`).
     turned
         Degrees to the right, but for a view from above.
+    steeper
+        Degrees by which the view is nearer to one from above than it is by its name.
 
     Returns
     -------
     Viewpoint
         The camera.
     """
-    steep = VIEWS[view] if field.context == 1.0 else 90.0 - LEANING * (90.0 - VIEWS[view])
+    own = VIEWS[view] + steeper
+    steep = own if field.context == 1.0 else 90.0 - LEANING * (90.0 - own)
     elevation = np.radians(steep)
     # An oblique plate looks from below right of the field, so that both lips of a wound show; of a body's skin that
     # faces down, such as an upper lid's, from above right, or the body would be seen from below.
@@ -238,6 +244,44 @@ def viewpoint(field: SurgicalField, view: str, tangents: tuple[float, float], tu
     back = np.sin(elevation) * field.normal + np.cos(elevation) * ground
     flat_up = field.up if view == "top" or overhang else field.normal
     return viewpoint_along(field, back, flat_up, tangents)
+
+
+def viewpoint_on_skin(
+    field: SurgicalField, view: str, tangents: tuple[float, float], skin: NDArray[np.float64]
+) -> Viewpoint:
+    """Place a camera as `viewpoint` does, but steeper where the picture would show what lies beyond the skin's border.
+
+    Parameters
+    ----------
+    field
+        The field.
+    view
+        One of `VIEWS`; only an oblique view of tissue without a body around it is changed.
+    tangents
+        Tangents of half the horizontal and vertical field of view (`half_angles`).
+    skin
+        Points of the skin in mm, shape (k, 3).
+
+    Returns
+    -------
+    Viewpoint
+        The camera; the usual one where `STEEPEST` degrees are not enough.
+    """
+    usual = viewpoint(field, view, tangents)
+    if view != "oblique" or field.context != 1.0 or field.fill == WHOLE_FILL:
+        return usual
+    turns = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+    ways = np.outer(np.cos(turns), field.right) + np.outer(np.sin(turns), field.up)
+    reach = (skin @ ways.T).max(axis=0)  # what is no farther in any direction lies within the skin's hull
+    height = float(np.median(skin @ field.normal))
+    for steeper in np.arange(0.0, STEEPEST + 1.0, 2.0):
+        seen = viewpoint(field, view, tangents, steeper=float(steeper)) if steeper else usual
+        rays = np.array([(x * tangents[0], y * tangents[1], -1.0) for x in (-1, 1) for y in (-1, 1)]) @ seen.axes
+        far = (height - seen.position @ field.normal) / (rays @ field.normal)
+        corners = seen.position + far[:, None] * rays
+        if (far > 0.0).all() and (corners @ ways.T <= reach).all():
+            return seen
+    return usual
 
 
 def viewpoint_along(

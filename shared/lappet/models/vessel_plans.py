@@ -243,6 +243,4 @@ def _in_tissue(skin: BodySurface, region: Ellipsoid, way: NDArray[np.float64]) -
     on = (region.level(way[:, :3]) < -_CLEAR) & (away < _OFF_SKIN)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
     parts = [np.hstack([points[a:b], way[a:b, 3:]]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    return [
-        part for part in parts if float(np.linalg.norm(np.diff(part[:, :3], axis=0), axis=1).sum()) >= _SHORTEST
-    ]
+    return [part for part in parts if float(np.linalg.norm(np.diff(part[:, :3], axis=0), axis=1).sum()) >= _SHORTEST]
