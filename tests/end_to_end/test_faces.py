@@ -20,8 +20,6 @@ from lappet.solve.store import FrameStore
 from lappet.usd.stage import read_procedure
 
 FACES = Path(__file__).resolve().parents[2] / "examples" / "faces"
-DOCS = Path(__file__).resolve().parents[2] / "docs"
-FLAPS = DOCS / "images" / "flaps"
 NAMES = tuple(REGIONAL_FLAPS)
 pytestmark = pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
 
@@ -37,15 +35,12 @@ def test_the_example_writes_each_operation_and_names_them_for_a_wrong_name(tmp_p
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_an_operation_on_a_face_is_sound_and_has_its_picture(name: str) -> None:
+def test_an_operation_on_a_face_is_sound(name: str) -> None:
     procedure = flap_on_model(name)
     assert [str(each) for each in check(procedure) if each.severity == "error"] == []
     program = compile_program(procedure)
     assert [str(note) for note in program.notes if note.severity == "error"] == []
     assert procedure.scenery  # the rest of the head
-    design = REGIONAL_FLAPS[name].design
-    assert 20_000 < (FLAPS / f"{name}.jpg").stat().st_size < 400_000
-    assert f"{name}.jpg" in (DOCS / "flaps" / f"{design}.md").read_text(encoding="utf-8")
 
 
 def test_limbergs_flap_closes_the_defect_of_a_cheek(tmp_path: Path) -> None:

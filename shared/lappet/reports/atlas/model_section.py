@@ -75,13 +75,14 @@ def _section(flap: RegionalFlap, rows: Mapping[str, Mapping[str, Any]]) -> list[
         return [*lines, "The last atlas does not have this operation.", "", *_made(flap)]
     if row["frames"]:
         lines += [f"![On {flap.place}, step by step]({_PICTURES}/{name}.jpg)", ""]
-    lines += [*_made(flap), _about(flap, row), "", measured_table(rows, name), "", _moved(row), ""]
+    lines += [*_made(flap), _about(flap, row), "", measured_table(rows, name), "", *_moved(row)]
     return [*lines, *([flap.remark, ""] if flap.remark else [])]
 
 
 def _about(flap: RegionalFlap, row: Mapping[str, Any]) -> str:
+    cells = f"{row['cells']:_}".replace("_", " ")
     text = (
-        f"On the model [`{flap.model}`](../models.md#the-models), {row['cells']} cells of {row['spacing']:.3g} mm, in "
+        f"On the model [`{flap.model}`](../models.md#the-models), {cells} cells of {row['spacing']:.3g} mm, in "
         f"the last frame ({row['frames']} of {row['of_frames']} frames converged, {row['newton']} Newton iterations in "
         "all)."
     )
@@ -107,12 +108,12 @@ def _made(flap: RegionalFlap) -> list[str]:
     return ["```", " ".join(model), " ".join(add), "```", ""]
 
 
-def _moved(row: Mapping[str, Any]) -> str:
+def _moved(row: Mapping[str, Any]) -> list[str]:
     """Which landmarks of the model moved, the farthest first."""
     moved = [(name, value) for name, value in row["moved"].items() if value[0] >= _MOVED]
     far = sorted(moved, key=lambda each: -each[1][0])
     if not far:
-        return f"No landmark of the model moves by {_MOVED:g} mm or more." if row["moved"] else ""
-    named = ", ".join(f"`{name}` {with_error(*value)}" for name, value in far[:_NAMED])
+        return [f"No landmark of the model moves by {_MOVED:g} mm or more.", ""] if row["moved"] else []
+    named = ", ".join(f"{name} {with_error(*value)}" for name, value in far[:_NAMED])
     more = f" and {len(far) - _NAMED} more" if len(far) > _NAMED else ""
-    return f"Landmarks that move by {_MOVED:g} mm or more, in mm: {named}{more}."
+    return [f"Landmarks that move by {_MOVED:g} mm or more, in mm: {named}{more}.", ""]
