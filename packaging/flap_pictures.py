@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +58,18 @@ def _together(before: Mapping[str, Any], results: Mapping[str, Any], runs: str, 
     first = {**_head(before), "designs": [row["name"] for row in before.get(rows, [])]}
     own = [{**run, "designs": [name for name in run["designs"] if name in names]} for run in before.get(runs, [first])]
     own.append({**_head(results), "designs": [row["name"] for row in new]})
-    return {runs: [run for run in own if run["designs"]], rows: [*kept, *new]}
+    return {runs: _joined([run for run in own if run["designs"]]), rows: [*kept, *new]}
+
+
+def _joined(runs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The runs, those that were taken on the same machine and revision as one, with the date of the last."""
+    found: list[dict[str, Any]] = []
+    for run in runs:
+        same = [each for each in found if {**each, "designs": [], "date": ""} == {**run, "designs": [], "date": ""}]
+        for each in same:
+            found.remove(each)
+        found.append({**run, "designs": [*(name for each in same for name in each["designs"]), *run["designs"]]})
+    return found
 
 
 def _head(results: Mapping[str, Any]) -> dict[str, Any]:

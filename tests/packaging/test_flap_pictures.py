@@ -32,6 +32,14 @@ def test_a_run_of_single_designs_replaces_their_rows_and_keeps_the_others_with_t
     assert len(second["runs"]) == 2
 
 
+def test_runs_on_one_machine_and_revision_are_one_with_the_date_of_the_last() -> None:
+    both = merged(merged(run("a", "limberg"), {**run("a", "note"), "date": "later"}), run("b", "webster"))
+    assert [(each["revision"], each["date"], each["designs"]) for each in both["runs"]] == [
+        ("a", "later", ["limberg", "note"]),
+        ("b", "now", ["webster"]),
+    ]
+
+
 def test_a_run_of_all_designs_leaves_one_run() -> None:
     both = merged(merged(run("a", "limberg"), run("b", "note")), run("c", "limberg", "note"))
     assert [each["revision"] for each in both["runs"]] == ["c"]
