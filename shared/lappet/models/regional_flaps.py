@@ -150,9 +150,9 @@ REGIONAL_FLAPS = {
             (-15.5, 146.0, 700.0),
             (0.3, 0.3, -0.9),
             {"diameter": 7.0},
-            "The flap bridges the groove between ala and cheek and makes it shallow, as such flaps do; the landmark alare "
-            "lies on it and goes along, and what is measured as a dog-ear is partly its rise out of the groove. The "
-            "nostril keeps its shape because the bed below the nose does not move; on a patient the ala could.",
+            "The flap bridges the groove between ala and cheek and makes it shallow, as such flaps do; the landmark "
+            "alare lies on it and goes along, and what is measured as a dog-ear is partly its rise out of the groove. "
+            "The nostril keeps its shape because the bed below the nose does not move; on a patient the ala could.",
         ),
         RegionalFlap(
             "nose_dorsal",
