@@ -38,6 +38,17 @@ def disk(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A skin cache of three frames."""
+    folder = tmp_path_factory.mktemp("solved")
+    write_procedure(small_procedure(), folder / "p.usda")
+    command = [sys.executable, "-m", "lappet", "solve", "p.usda", "-o", "s.usdc", "--spacing", "2", "--frames", "1:3"]
+    environment = {**os.environ, "LAPPET_STORE": str(folder / "store")}
+    subprocess.run(command, cwd=folder, capture_output=True, check=True, env=environment)
+    return folder / "s.usdc"
+
+
 CASES = {
     "a procedure as text": ("4k", "new {up}/box.stl -o {disk}/n.usda --units mm --spacing 3", "n.usda"),
     "the picture of a mesh": (
@@ -55,13 +66,19 @@ CASES = {
         "solve {up}/p.usda -o {up}/s.usdc --report {disk}/r.json --spacing 2 --frames 1:3",
         "r.json",
     ),
+    "a lesson": ("64k", "export {cache} -o {disk}/l.html", "l.html"),
+    "a lesson for a learning platform": ("64k", "export {cache} -o {disk}/l.zip", "l.zip"),
+    "the plan of a lesson": ("4k", "lesson {cache} {cache} {cache} {cache} --template {disk}/l.toml", "l.toml"),
+    "a report of measurements": ("8k", "report tissues -o {disk}", "tissues.md"),
 }
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_full_disk_is_a_sentence_and_leaves_no_file_that_is_cut_short(case: str, disk: Path, tmp_path: Path) -> None:
+def test_a_full_disk_is_a_sentence_and_leaves_no_file_that_is_cut_short(
+    case: str, disk: Path, cache: Path, tmp_path: Path
+) -> None:
     size, line, name = CASES[case]
-    arguments = [each.format(up=tmp_path, disk=disk) for each in line.split()]
+    arguments = [each.format(up=tmp_path, disk=disk, cache=cache) for each in line.split()]
     assert arguments[0] in cli.commands
     seen = tmp_path / "seen"
     small = ["unshare", "--map-root-user", "--mount", "sh", "-c", SMALL, disk, size, seen]

@@ -160,10 +160,36 @@ def test_a_frame_that_the_cache_lacks_is_refused_before_anything_is_drawn(cache:
 
 
 @pytest.mark.slow
-def test_strain_is_drawn_with_a_key_from_above(cache: Path, tmp_path: Path) -> None:
-    (file,) = render_cache(
-        cache, tmp_path, frames=[7], filmstrip=False, size=SIZE, samples=2, view="top", color="strain", threads=2
-    )
+def test_a_draft_shows_the_printed_grid(cache: Path, tmp_path: Path) -> None:
+    """From above the ink of flat skin lies in lines at even distances, in both directions."""
+    drawn = {}
+    for color in ("plain", "grid"):
+        (file,) = render_cache(
+            cache,
+            tmp_path / color,
+            frames=[1],
+            filmstrip=False,
+            size=(224, 168),
+            view="top",
+            color=color,
+            engine="workbench",
+        )
+        drawn[color] = read_png(file).astype(float).sum(axis=2)
+    ink = drawn["plain"] - drawn["grid"] > 20.0
+    assert 0.05 < ink.mean() < 0.5
+    for axis in (0, 1):
+        line = np.flatnonzero(ink.mean(axis=axis) > 0.7)
+        middles = [part.mean() for part in np.split(line, np.flatnonzero(np.diff(line) > 1) + 1)]
+        assert len(middles) >= 4
+        squares = np.diff(middles) / np.median(np.diff(middles))  # the planned cut hides the line below it
+        assert np.abs(squares - squares.round()).max() < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["cycles", "workbench"])
+def test_strain_is_drawn_with_a_key_from_above(cache: Path, tmp_path: Path, engine: str) -> None:
+    looks = {"view": "top", "color": "strain", "engine": engine}
+    (file,) = render_cache(cache, tmp_path, frames=[7], filmstrip=False, size=SIZE, samples=2, threads=2, **looks)
     picture = read_png(file).astype(float)
     bar = picture[round(SIZE[1] * 0.93) + 1, round(SIZE[0] * 0.035) : round(SIZE[0] * 0.275)]
     assert bar[2, 2] > bar[2, 0] + 40  # blue where strain is low

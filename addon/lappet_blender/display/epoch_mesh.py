@@ -17,10 +17,10 @@ from lappet.drawing.skin_fields import WOUND_WALL
 
 from ..look.layer_image import ROW, layer_rows
 from ..look.skin_import import build_mesh, mark_sharp_borders, set_attribute
+from ..look.solid_texture import TILE, lay
 
 KEY = "lappet_epoch"
 _ROWS_FOR = "lappet_layer_rows"
-TILE = 10.0  # mm of the grid per unit of UVMap
 
 
 def take_epoch_mesh(shape: EpochShape, walls: bool, units: float, current: bpy.types.Mesh | None) -> bpy.types.Mesh:
@@ -71,10 +71,7 @@ def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001
     set_attribute(mesh, "origin", "INT", "FACE", origin.astype(np.int32))
     set_attribute(mesh, "face", "INT", "FACE", shape.face[kept].astype(np.int32))
     set_attribute(mesh, "grid", "FLOAT2", "CORNER", grid)
-    layer = mesh.uv_layers.new(name="UVMap", do_init=False)
-    layer.uv.foreach_set("vector", (grid / TILE).astype(np.float32).ravel())
-    # To Blender `grid` is a UV map too, and the first one.
-    layer.active = layer.active_render = True
+    lay(mesh, grid.reshape(-1, 2) / TILE)
     return mesh
 
 

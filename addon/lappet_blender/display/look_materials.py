@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import partial
 
 import bpy
-import numpy as np
 
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.core.digest import digest
@@ -15,12 +14,11 @@ from lappet.procedure import VESSEL_KINDS
 
 from ..look import skin_material
 from ..look.material_nodes import Space
-from ..look.skin_material import GRID_INK
+from ..look.solid_texture import add_tile
 
 PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
 _MADE_FOR = "lappet_made_for"
 _DRESSED_AS = "lappet_dressed_as"  # of a mesh: the color and prefix of the roles of its materials
-_TILE = 160  # pixels of the tile that Solid shading repeats every 10 mm
 
 
 def quantity_of(look: bpy.types.PropertyGroup) -> str | None:
@@ -62,7 +60,7 @@ def skin_materials(
     def skin() -> bpy.types.Material:
         made = skin_material.skin_material(name, pixel, highest, space, opacity)
         if name in ("grid", "checker"):
-            _add_tile(made, name)
+            add_tile(made, name)
         return made
 
     roles = _skin_roles(color, prefix)
@@ -141,26 +139,3 @@ def part_material(collection: bpy.types.Collection, role: str, units: float) -> 
     }
     made_for = f"{units:g}" if role == "bed" else "any"
     return _kept(collection, role, made_for, makers[role])
-
-
-def _add_tile(material: bpy.types.Material, name: str) -> None:
-    """A picture of 10 mm of the grid as the active texture: Solid shading with textures shows it."""
-    image = bpy.data.images.new(f"Lappet {name}", _TILE, _TILE)
-    place = np.arange(_TILE) * 10.0 / _TILE % 5.0
-    color = np.ones((_TILE, _TILE, 4), np.float32)
-    if name == "grid":
-        line = (place < 0.14) | (place > 4.86)
-        ink = (line[:, None] | line[None, :]).astype(np.float32)
-        dark = np.array(GRID_INK[:3])
-    else:
-        half = np.arange(_TILE) * 10 // _TILE // 5
-        ink = ((half[:, None] + half[None, :]) % 2).astype(np.float32)
-        dark = np.array(skin_material.CHECKER_INK[:3])
-    ink = ink[..., None] * (skin_material.INK_SHARE if name == "grid" else skin_material.CHECKER_SHARE)
-    linear = (1.0 - ink) * np.array(skin_material.SKIN[:3]) + ink * dark
-    color[..., :3] = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    image.pixels.foreach_set(color.ravel())
-    image.pack()
-    node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
-    material.node_tree.nodes.active = node

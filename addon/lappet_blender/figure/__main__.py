@@ -60,6 +60,7 @@ from ..look.skin_material import (
     vessel_material,
     wall_material,
 )
+from ..look.solid_texture import add_scale, add_tile
 from ..look.vessel_tubes import VesselTubes
 from .caption import load_picture, save_picture, shrunk
 from .drawn_part import DrawnTubes, ScenePart
@@ -141,7 +142,11 @@ class Plate:
             underside_material(cache.layers),
             mucosa_material() if cache.scenery else rim_material(cache.layers),
         ]
-        skin, bed = SkinObject(cache, materials, scalar), Bed(cache, bed_material())
+        if request.color == "grid":
+            add_tile(materials[0], request.color)
+        elif scalar:
+            add_scale(materials[0])
+        skin, bed = SkinObject(cache, materials, scalar, self._highest), Bed(cache, bed_material())
         plane = request.section
         tubes = self._tubes(view, field, hidden)
         if plane is None:
@@ -167,7 +172,7 @@ class Plate:
         add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
         add_lights(field, studio)
         add_camera(view, studio)
-        set_render(studio.scene, request.engine, request.threads)
+        set_render(studio.scene, request.engine, request.threads, request.color != "plain")
 
     def _tubes(self, view: Viewpoint, field: SurgicalField, hidden: frozenset[int]) -> list[Tubes]:
         """What is drawn as tubes: name, part, material, sides."""

@@ -107,8 +107,11 @@ def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Materi
     studio.collection.objects.link(sheet)
 
 
-def set_render(scene: bpy.types.Scene, engine: str, threads: int = 0) -> None:
-    """Engine, quality and color: Cycles on the processor with denoising, or Workbench for drafts."""
+def set_render(scene: bpy.types.Scene, engine: str, threads: int = 0, textured: bool = False) -> None:
+    """Engine, quality and color: Cycles on the processor with denoising, or Workbench for drafts.
+
+    textured: whether Workbench shows the pictures of `look.solid_texture`.
+    """
     scene.render.engine = ENGINES[engine]
     scene.render.use_persistent_data = True
     scene.render.film_transparent = False
@@ -132,7 +135,7 @@ def set_render(scene: bpy.types.Scene, engine: str, threads: int = 0) -> None:
         cycles.use_auto_tile = False
     else:
         shading = scene.display.shading
-        shading.light, shading.color_type = "STUDIO", "MATERIAL"
+        shading.light, shading.color_type = "STUDIO", "TEXTURE" if textured else "MATERIAL"
         shading.show_shadows, shading.show_cavity = False, True
         scene.world.color = (0.86, 0.87, 0.88)
         scene.view_settings.view_transform, scene.view_settings.exposure = "Standard", 0.6

@@ -15,6 +15,7 @@ from lappet.drawing.skin_source import SkinEpoch
 from lappet.geometry.skin_shape import uv_scale
 
 from .layer_image import ROW, layer_rows
+from .solid_texture import TILE, lay
 
 SCALE = 0.1  # Blender units per mm: 1 unit is 1 cm
 
@@ -68,9 +69,14 @@ def mark_sharp_borders(mesh: bpy.types.Mesh, origin: NDArray[np.uint8]) -> None:
 class SkinObject:
     """The skin in the scene: one object that shows the mesh of the epoch of the current frame."""
 
-    def __init__(self, cache: SkinCache, materials: list[bpy.types.Material], scalar: str | None = None) -> None:
-        """materials: one per face origin, in the order of `ORIGINS`. scalar: a vertex quantity to load, or None."""
-        self._cache, self._scalar = cache, scalar
+    def __init__(
+        self, cache: SkinCache, materials: list[bpy.types.Material], scalar: str | None = None, highest: float = 1.0
+    ) -> None:
+        """materials: one per face origin, in the order of `ORIGINS`. scalar: a vertex quantity to load, or None.
+
+        highest: the value at the top of its scale.
+        """
+        self._cache, self._scalar, self._highest = cache, scalar, max(highest, 1e-9)
         first = cache.epochs[0]
         rest = cache.positions(first, first.frames[0])
         self._grid_scale = (
@@ -91,6 +97,8 @@ class SkinObject:
         mesh.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
         if self._scalar and (values := self._cache.scalar(epoch, self._scalar, time)) is not None:
             set_attribute(mesh, "quantity", "FLOAT", "POINT", values)
+            share = np.nan_to_num(values[epoch.triangles.ravel()] / self._highest)
+            lay(mesh, np.stack([share, np.full_like(share, 0.5)], axis=1))
         mesh.update()
 
     def _build(self, epoch: SkinEpoch, materials: list[bpy.types.Material]) -> bpy.types.Mesh:
@@ -101,7 +109,9 @@ class SkinObject:
         mesh.polygons.foreach_set("material_index", epoch.origin.astype(np.int32))
         mark_sharp_borders(mesh, epoch.origin)
         st = epoch.st if epoch.st is not None else points[epoch.triangles][:, :, :2]
-        set_attribute(mesh, "grid", "FLOAT2", "CORNER", (st * self._grid_scale).astype(np.float32))
+        grid = (st * self._grid_scale).astype(np.float32)
+        set_attribute(mesh, "grid", "FLOAT2", "CORNER", grid)
+        lay(mesh, grid.reshape(-1, 2) / TILE)
         set_attribute(mesh, "depth", "FLOAT", "POINT", self._cache.depth(epoch))
         rows = layer_rows(self._cache.layers, self._cache.column(epoch))
         set_attribute(mesh, ROW, "FLOAT", "FACE", rows)

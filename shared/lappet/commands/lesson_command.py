@@ -46,9 +46,10 @@ def lesson(
 def _write_template(caches: tuple[Path, ...], template: Path, limits: ReadLimits) -> None:
     if template.exists():
         raise click.UsageError(f"{template} is there already; choose another name.")
+    from lappet.core.durable import write_whole
     from lappet.export.formats import check_place
     from lappet.lessons.plan_template import plan_template
 
     check_place(template)
-    template.write_text(plan_template(caches, template, limits), encoding="utf-8", newline="\n")
+    write_whole(template, plan_template(caches, template, limits).encode())
     click.echo(template)

@@ -12,18 +12,9 @@ from lappet.commands.refusals import sentences
 
 # Groups of cases of `lappet.reports.stability`, which `--help` does not load.
 GROUPS = (
-    "poisson",
-    "contrast",
-    "fibers",
-    "models",
-    "stretch",
-    "compression",
-    "twist",
-    "starts",
-    "buckling",
-    "stiffness",
+    *("poisson", "contrast", "fibers", "models", "stretch", "compression", "twist", "starts", "buckling", "stiffness"),
+    *("fights", "bone", "thin", "floating", "scale", "spacing", "cuts", "many cuts"),
 )
-GROUPS += ("fights", "bone", "thin", "floating", "scale", "spacing", "cuts", "many cuts")
 
 
 def _output(name: str) -> Callable[[Any], Any]:

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.export.export_request import ExportRequest
 from lappet.export.h5p_package import h5p_package
 from lappet.export.lesson_arrays import LessonArrays
-from lappet.export.lesson_file import lesson_head, shown_procedures, write_whole
+from lappet.export.lesson_file import lesson_head, shown_procedures
 from lappet.export.lesson_page import LessonBlock, lesson_page
 from lappet.export.scorm_package import scorm_package
 from lappet.export.viewer_program import viewer_program
@@ -81,5 +82,5 @@ def write_package(request: ExportRequest) -> list[Path]:
         "chapters": [{**chapter, "hotspots": [], "questions": []}],
     }
     blocks = [LessonBlock(arrays.block(), arrays.size)]
-    write_whole(delivered(content, blocks, request.target.suffix.lower()), request.target)
+    write_whole(request.target, delivered(content, blocks, request.target.suffix.lower()))
     return [request.target]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
@@ -51,7 +52,7 @@ def write_lesson(request: ExportRequest) -> list[Path]:
         "procedures": procedures,
     }
     block = LessonBlock(arrays.block(), arrays.size)
-    write_whole(lesson_page(content, [block], program).encode("utf-8"), request.target)
+    write_whole(request.target, lesson_page(content, [block], program).encode())
     return [request.target]
 
 
@@ -111,21 +112,3 @@ def shown_procedures(request: ExportRequest, arrays: LessonArrays) -> tuple[list
         return names, [lesson_procedure(scene, name, scales, arrays) for scene, name in told]
     except FigureError as error:
         raise refused(ProblemCode.EXPORT_CACHE, request.caches[0], reason=str(error)) from error
-
-
-def write_whole(data: bytes, path: Path) -> None:
-    """Write a file that appears whole or not at all.
-
-    Parameters
-    ----------
-    data
-        What it holds.
-    path
-        The file.
-    """
-    draft = path.with_name(f".{path.name}.part")
-    try:
-        draft.write_bytes(data)
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)

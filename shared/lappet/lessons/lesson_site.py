@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.export.lesson_delivery import delivered
-from lappet.export.lesson_file import write_whole
 from lappet.lessons.chapter_picture import SIZE, chapter_picture
 from lappet.lessons.lesson_course import lesson_course
 from lappet.lessons.lesson_plan import LessonPlan
@@ -105,9 +105,9 @@ def write_site(plan: LessonPlan, sources: Sequence[ChapterSource], target: Path)
             name = f"{number:02d}_{_plain(source.plan.title)}.html"
             own = LessonPlan(plan.path, source.plan.title, plan.language, None, (source.plan,))
             content, blocks = lesson_course(own, [source])
-            write_whole(delivered(content, blocks, ".html"), made / name)
+            write_whole(made / name, delivered(content, blocks, ".html"))
             cards.append(_card(name, source, Path(work) / "card.png"))
-        (made / INDEX).write_text(_index(plan, cards), encoding="utf-8", newline="\n")
+        write_whole(made / INDEX, _index(plan, cards).encode())
         if target.is_dir():
             shutil.move(target, Path(work) / "before")
         shutil.move(made, target)

@@ -6,11 +6,11 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.export.formats import check_place
 from lappet.export.lesson_delivery import DELIVERIES, delivered
-from lappet.export.lesson_file import write_whole
 from lappet.export.viewer_program import viewer_program
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.lessons.lesson_course import lesson_course
@@ -69,5 +69,5 @@ def write_lesson_plan(
             write_site(known, sources, target)
             return target
         content, blocks = lesson_course(known, sources)
-        write_whole(delivered(content, blocks, suffix), target)
+        write_whole(target, delivered(content, blocks, suffix))
     return target

@@ -25,6 +25,7 @@ _CLEAR = 1.5  # mm from the model's border
 _STEP = 2.0  # mm between the points of a course
 _SHORTEST = 8.0  # mm
 _DECIMALS = 3  # of points in mm
+SIDES = (("left", 1.0), ("right", -1.0))  # and the sign of x
 
 
 FACIAL_ARTERY = "Gelezhe 2021"  # in `SOURCES`, of how deep it lies
@@ -188,7 +189,7 @@ def courses_in(region: Ellipsoid) -> list[Course]:
     """
     found = []
     for course in COURSES:
-        sides = [_dense(np.array(course.way) * (sign, 1.0, 1.0, 1.0))[:, :3] for sign in (1.0, -1.0)]
+        sides = [_dense(np.array(course.way) * (sign, 1.0, 1.0, 1.0))[:, :3] for _, sign in SIDES]
         if any(np.count_nonzero(region.level(way) < -_CLEAR) * _STEP >= _SHORTEST for way in sides):
             found.append(course)
     return found
@@ -214,19 +215,26 @@ def vessels_on(skin: BodySurface, region: Ellipsoid, tissue: Tissue, depths: tup
         What of the courses lies in the tissue, flagged as typical courses.
     """
     triangles = tissue.face_vertex_indices.reshape(-1, 3)[tissue.subsets["underside"]]
-    outer, under = SkinSheet.of(tissue), ClosestPoint(tissue.points, triangles)
+    sides = [
+        (course, side, _dense(np.array(course.way) * (sign, 1.0, 1.0, 1.0)))
+        for course in COURSES
+        for side, sign in SIDES
+    ]
+    ends = np.cumsum([len(way) for _, _, way in sides])
+    places, away = skin.carried(np.concatenate([way[:, :3] for _, _, way in sides]))
+    tops = SkinSheet.of(tissue).place(places)
+    bottoms = ClosestPoint(tissue.points, triangles).query(tops)[1]
     found = []
-    for course in COURSES:
-        for side, sign in (("left", 1.0), ("right", -1.0)):
-            way = _dense(np.array(course.way) * (sign, 1.0, 1.0, 1.0))
-            for number, part in enumerate(_in_tissue(skin, region, way)):
-                top = outer.place(part[:, :3])
-                share = (depths[0] + part[:, 3:] * depths[1]) / sum(depths)  # of a sheet that may be thinner here
-                at = np.round(top + share * (under.query(top)[1] - top), _DECIMALS)
-                points = tuple((float(x), float(y), float(z)) for x, y, z in at)
-                name = f"{course.name.replace(' ', '_')}_{side}" + (f"_{number + 1}" if number else "")
-                label = f"{course.name} {side}"
-                found.append(Vessel(name, points, course.kind, course.radius, label, typical_course=True))
+    for (course, side, way), top, bottom, off in zip(
+        sides, *(np.split(values, ends[:-1]) for values in (tops, bottoms, away)), strict=True
+    ):
+        share = (depths[0] + way[:, 3:] * depths[1]) / sum(depths)  # of a sheet that may be thinner here
+        at = np.round(top + share * (bottom - top), _DECIMALS)
+        for number, part in enumerate(_parts(at, (region.level(way[:, :3]) < -_CLEAR) & (off < _OFF_SKIN))):
+            points = tuple((float(x), float(y), float(z)) for x, y, z in part)
+            name = f"{course.name.replace(' ', '_')}_{side}" + (f"_{number + 1}" if number else "")
+            label = f"{course.name} {side}"
+            found.append(Vessel(name, points, course.kind, course.radius, label, typical_course=True))
     return tuple(found)
 
 
@@ -237,10 +245,8 @@ def _dense(way: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.interp(at, reach, way[:, k]) for k in range(4)], axis=1)
 
 
-def _in_tissue(skin: BodySurface, region: Ellipsoid, way: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """The parts of a course in a model, their points on the shaped body's skin, with the shares of depth."""
-    points, away = skin.carried(way[:, :3])
-    on = (region.level(way[:, :3]) < -_CLEAR) & (away < _OFF_SKIN)
+def _parts(points: NDArray[np.float64], on: NDArray[np.bool_]) -> list[NDArray[np.float64]]:
+    """The parts of a course that are in a model and not too short."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
-    parts = [np.hstack([points[a:b], way[a:b, 3:]]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    return [part for part in parts if float(np.linalg.norm(np.diff(part[:, :3], axis=0), axis=1).sum()) >= _SHORTEST]
+    parts = [points[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [part for part in parts if float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum()) >= _SHORTEST]

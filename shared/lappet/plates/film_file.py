@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
@@ -92,7 +93,7 @@ def write_film(
     suffix = path.suffix.lower()
     if suffix == ".png":
         for number, (picture, _) in enumerate(pictures, 1):
-            _replace(picture.read_bytes(), path.with_name(f"{path.stem}_{number:04d}.png"))
+            write_whole(path.with_name(f"{path.stem}_{number:04d}.png"), picture.read_bytes())
         return
     from imageio_ffmpeg import get_ffmpeg_exe
 
@@ -130,7 +131,7 @@ def write_film(
         if done.returncode:
             said = done.stderr.strip().splitlines()
             raise refused(ProblemCode.FILM_FAILED, path, reason=said[-1] if said else "it says nothing")
-        _replace(made.read_bytes(), path)
+        write_whole(path, made.read_bytes())
 
 
 def _codec(suffix: str, transparent: bool) -> tuple[str, ...]:
@@ -158,12 +159,3 @@ def _escaped(text: str) -> str:
     for each in "\\=;#\n":
         text = text.replace(each, f"\\{each}")
     return text
-
-
-def _replace(data: bytes, path: Path) -> None:
-    draft = path.with_name(f".{path.name}.part")
-    try:
-        draft.write_bytes(data)
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -12,6 +13,7 @@ from typing import Any
 
 from lappet.bench.circumstances import circumstances, cores
 from lappet.bench.tables import markdown_table
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
@@ -86,7 +88,7 @@ def write_json(path: Path, head: Mapping[str, Any], rows: Sequence[Any], **more:
         What else there is.
     """
     values = _plain({**head, "rows": list(rows), **more})
-    path.write_text(json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    write_whole(path, (json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode())
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> None:
@@ -99,12 +101,13 @@ def write_csv(path: Path, rows: Sequence[Any]) -> None:
     rows
         Rows of one dataclass.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
-        lines = [_plain(row) for row in rows]
-        if lines:
-            writer = csv.DictWriter(file, list(lines[0]))
-            writer.writeheader()
-            writer.writerows(lines)
+    text = io.StringIO(newline="")
+    lines = [_plain(row) for row in rows]
+    if lines:
+        writer = csv.DictWriter(text, list(lines[0]))
+        writer.writeheader()
+        writer.writerows(lines)
+    write_whole(path, text.getvalue().encode())
 
 
 def _plain(value: Any) -> Any:

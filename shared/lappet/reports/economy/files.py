@@ -7,6 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.reports.economy.instructions import isa_to_count, valgrind_version
 from lappet.reports.economy.measurement import AGREEMENT, Cost, EconomyReport
 from lappet.reports.economy.scenes import BAR, FEATURES
@@ -43,7 +44,7 @@ def write_economy(folder: Path, head: Mapping[str, Any], report: EconomyReport) 
         absence=absences,
     )
     write_csv(files[1], report.rows)
-    files[2].write_text(markdown(head, report), encoding="utf-8")
+    write_whole(files[2], markdown(head, report).encode())
     return files
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.reports.error_estimate.fit_orders import fit_orders
 from lappet.reports.error_estimate.measured_values import FACTOR, FORCES, ValueRow, groups_of, shares
 from lappet.reports.error_estimate.measurement import SHARE, EstimateRow
@@ -46,7 +47,7 @@ def write_error_estimate(
     files = [folder / f"error_estimate{suffix}" for suffix in (".json", ".csv", ".md", "_values.csv")]
     write_json(files[0], head, rows, scenes={scene.name: scene.what for scene in scenes})
     write_csv(files[1], rows)
-    files[2].write_text(markdown(head, scenes, rows, values), encoding="utf-8")
+    write_whole(files[2], markdown(head, scenes, rows, values).encode())
     write_csv(files[3], values)
     return files
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.reports.error_time.measurement import FACTOR, LEAST_ORDER, Convergence, SceneReport
 from lappet.reports.error_time.totals import totals
 from lappet.reports.error_time.work_precision import plot_scene
@@ -51,7 +52,7 @@ def write_error_time(folder: Path, head: Mapping[str, Any], reports: Sequence[Sc
     for report in reports:
         pictures.append(folder / f"error_time_{report.scene.name}.png")
         plot_scene(report, pictures[-1])
-    files[2].write_text(markdown(head, reports), encoding="utf-8")
+    write_whole(files[2], markdown(head, reports).encode())
     return [*files, *pictures]
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.reports.error_time.measurement import CHOICES, DEFAULT, Measure, SceneReport
@@ -91,7 +93,9 @@ def plot_scene(report: SceneReport, path: Path) -> None:
     axes.set_title(report.scene.what[0].upper() + report.scene.what[1:], fontsize=10, wrap=True)
     axes.grid(True, which="major", color="0.9", lw=0.8)
     axes.legend(fontsize=8, frameon=False, loc="best")
-    figure.savefig(path, dpi=150)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=path.suffix[1:], dpi=150)
+    write_whole(path, drawn.getvalue())
     pyplot.close(figure)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from lappet.core.durable import write_whole
 from lappet.reports.report_files import described, markdown_table, write_csv, write_json
 from lappet.reports.stability.case import Row, totals
 
@@ -32,7 +33,7 @@ def write_stability(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) 
     files = [folder / f"stability.{suffix}" for suffix in ("json", "csv", "md")]
     write_json(files[0], head, rows, totals=totals(rows))
     write_csv(files[1], rows)
-    files[2].write_text(markdown(head, rows), encoding="utf-8")
+    write_whole(files[2], markdown(head, rows).encode())
     return files
 
 

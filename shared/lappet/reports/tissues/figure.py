@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from lappet.core.durable import write_whole
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.tissue.presets import PRESETS, Preset
@@ -46,7 +48,9 @@ def plot_tissues(path: Path) -> None:
         _one(axes, name, PRESETS[name])
     figure.supxlabel("stretch")
     figure.supylabel("nominal stress")
-    figure.savefig(path, dpi=110)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=path.suffix[1:], dpi=110)
+    write_whole(path, drawn.getvalue())
     pyplot.close(figure)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lappet.core.durable import write_whole
 from lappet.reports.report_files import make_folder
 from lappet.reports.tissues.figure import plot_tissues
 from lappet.reports.tissues.page import tissue_page
@@ -33,8 +34,8 @@ def write_tissues(folder: Path) -> list[Path]:
     """
     make_folder(folder / "images")
     paths = [folder / "tissues.md", folder / "tissue_curves.csv", folder / "images" / "tissue_curves.png"]
-    paths[0].write_text(tissue_page(), encoding="utf-8")
-    paths[1].write_text(_numbers(), encoding="utf-8")
+    write_whole(paths[0], tissue_page().encode())
+    write_whole(paths[1], _numbers().encode())
     plot_tissues(paths[2])
     return paths
 
