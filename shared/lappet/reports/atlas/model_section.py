@@ -116,4 +116,4 @@ def _moved(row: Mapping[str, Any]) -> list[str]:
         return [f"No landmark of the model moves by {_MOVED:g} mm or more.", ""] if row["moved"] else []
     named = ", ".join(f"{name} {with_error(*value)}" for name, value in far[:_NAMED])
     more = f" and {len(far) - _NAMED} more" if len(far) > _NAMED else ""
-    return [f"Landmarks that move by {_MOVED:g} mm or more, in mm: {named}{more}.", ""]
+    return [f"Landmarks that move by {_MOVED:g} mm or more, those on the flap with it, in mm: {named}{more}.", ""]
