@@ -142,7 +142,7 @@ def page_of(*rows: dict[str, object]) -> str:
 def test_the_page_of_a_design_that_belongs_on_a_body_shows_it_there_with_what_moved() -> None:
     page = page_of(model_row())
     section = page.partition("## On the cheek\n")[2].partition("\n## ")[0]
-    assert "![On the cheek, step by step](../images/flaps/cheek_limberg.jpg)" in section
+    assert "![Limberg flap on the cheek, step by step](../images/flaps/cheek_limberg.jpg)" in section
     assert "40 of 40 frames converged" in section
     assert "410 ± 20" in section  # as exact as its error allows
     assert section.index("cheilion left 1.5") < section.index("alare left 0.31")  # the farthest first

@@ -7,6 +7,7 @@ from typing import Any
 
 from lappet.bench.tables import markdown_table
 from lappet.core.value_with_error import with_error
+from lappet.designs.library import DESIGNS
 from lappet.models.regional_flaps import REGIONAL_FLAPS, RegionalFlap, regional_flaps
 from lappet.reports.atlas.measured import measured_table, measured_text, plain_text
 
@@ -74,7 +75,7 @@ def _section(flap: RegionalFlap, rows: Mapping[str, Mapping[str, Any]]) -> list[
     if row is None:
         return [*lines, "The last atlas does not have this operation.", "", *_made(flap)]
     if row["frames"]:
-        lines += [f"![On {flap.place}, step by step]({_PICTURES}/{name}.jpg)", ""]
+        lines += [f"![{DESIGNS[flap.design].title} on {flap.place}, step by step]({_PICTURES}/{name}.jpg)", ""]
     lines += [*_made(flap), _about(flap, row), "", measured_table(rows, name), "", *_moved(row)]
     return [*lines, *([flap.remark, ""] if flap.remark else [])]
 
