@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+import zipfile
 from pathlib import Path
 
 import lappet_wheel
@@ -144,9 +145,20 @@ def assemble(
         (staged / MANIFEST).write_text(with_wheels(text, names, platform, website), encoding="utf-8")
         bill = sbom.of_extension(staged, project_version())
         (staged / sbom.NAME).write_text(sbom.text(bill), encoding="utf-8")
-        _blender_tool(tool, "build", f"--source-dir={staged}", f"--output-filepath={made}")
+        built = Path(work) / made.name
+        _blender_tool(tool, "build", f"--source-dir={staged}", f"--output-filepath={built}")
+        _settle(built, made)
     _blender_tool(tool, "validate", str(made), f"--valid-tags={valid_tags(tool)}")
     return made
+
+
+def _settle(built: Path, made: Path) -> None:
+    """Write a zip anew in the order of its names, without times and rights: the same files make the same bytes."""
+    with zipfile.ZipFile(built) as before, zipfile.ZipFile(made, "w") as after:
+        for old in sorted(before.infolist(), key=lambda each: each.filename):
+            entry = zipfile.ZipInfo(old.filename)  # of 1980
+            entry.compress_type, entry.external_attr, entry.create_system = old.compress_type, 0o644 << 16, 3
+            after.writestr(entry, before.read(old), compresslevel=9)
 
 
 def outdated() -> list[str]:

@@ -122,6 +122,26 @@ def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path)
     assert re.fullmatch(re.escape(extension.project_version()) + r"\+[0-9a-f]{8}", version.group(1))
 
 
+def test_two_builds_of_the_same_files_give_the_same_bytes(tmp_path: Path) -> None:
+    """Whenever they are built, by whomever, and in whatever order a folder lists its files."""
+    wheel = small_wheel(tmp_path, "win_amd64")
+    made = []
+    for name, order, mask in (("a", 1, 0o022), ("b", -1, 0o077)):
+        addon = tmp_path / name / "addon"
+        for folder in (extension.ADDON, extension.ADDON / "start"):
+            (addon / folder.relative_to(extension.ADDON)).mkdir(parents=True, exist_ok=True)
+            for file in sorted(folder.glob("*.*"))[::order]:
+                if file.is_file():
+                    (addon / file.relative_to(extension.ADDON)).write_bytes(file.read_bytes())
+                    os.utime(addon / file.relative_to(extension.ADDON), (1e9 + order, 1e9 + order))
+        before = os.umask(mask)
+        try:
+            made.append(assemble("windows-x64", wheel, tmp_path / name / "dist", others=[], addon=addon))
+        finally:
+            os.umask(before)
+    assert made[0].read_bytes() == made[1].read_bytes()
+
+
 def test_two_builds_of_one_version_differ_in_the_wheels_version(tmp_path: Path) -> None:
     """Else Blender would keep the files of the build that was installed first."""
     first = small_wheel(tmp_path / "a", "win_amd64")

@@ -291,3 +291,24 @@ def test_near_the_rim_of_the_tissue_no_dog_ear_is_measured() -> None:
     (found,) = measures(replace(ellipse(), tissue=short)).values()
     assert found.start_dog_ear_mm is None
     assert found.end_dog_ear_mm is None
+
+
+def test_skin_that_a_flap_has_carried_away_from_the_end_of_a_seam_does_not_count() -> None:
+    tip = 0.5 * LENGTH
+
+    def carried(points: Points) -> Points:
+        away = (points[:, 0] > tip + 3.0) & (points[:, 1] > 1.0)
+        points = cone(2.5, 7.0, tip)(points)
+        points[away] += (0.0, 0.0, 80.0)
+        return points
+
+    (found,) = measures(ellipse(), carried).values()
+    heights = sorted([found.start_dog_ear_mm or 0.0, found.end_dog_ear_mm or 0.0])
+    assert heights == pytest.approx([0.0, 2.5], abs=0.3)
+
+    def all_carried(points: Points) -> Points:
+        points[np.hypot(points[:, 0] - tip, points[:, 1]) > 3.0] += (0.0, 0.0, 80.0)
+        return points
+
+    (found,) = measures(ellipse(), all_carried).values()
+    assert None in (found.start_dog_ear_mm, found.end_dog_ear_mm)

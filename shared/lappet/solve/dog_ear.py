@@ -21,6 +21,9 @@ REACH = 10.0
 BESIDE = 5.0
 """Chosen: what is nearer to a wound's edge than this in mm is left out of the ring."""
 
+GONE = 3.0 * REACH
+"""Chosen: what is farther from the seam's end than this in mm has been carried away with a flap; it is left out."""
+
 _MIN_FACING = 0.7  # of the ring's area must be seen along its mean normal
 _SECTORS, _MIN_SECTORS = 8, 6  # around the end; in so many of them there must be skin
 
@@ -31,6 +34,8 @@ class DogEar:
 
     Parameters
     ----------
+    end
+        Vertex of the skin at the end.
     inner
         Vertices of the skin near the end, shape (k,).
     ring
@@ -43,13 +48,14 @@ class DogEar:
         Heights of the inner vertices above the quadric of the surface at rest in mm, shape (k,).
     """
 
+    end: int
     inner: NDArray[np.int64]
     ring: NDArray[np.int64]
     weights: NDArray[np.float64]
     triangles: NDArray[np.int64]
     at_rest: NDArray[np.float64]
 
-    def height(self, points: NDArray[np.floating]) -> float:
+    def height(self, points: NDArray[np.floating]) -> float | None:
         """Measure the dog-ear.
 
         Parameters
@@ -59,13 +65,17 @@ class DogEar:
 
         Returns
         -------
-        float
-            How much farther a point of the skin rises above the fitted surface than at rest, in mm; at least 0.
+        float | None
+            How much farther a point of the skin rises above the fitted surface than at rest, in mm; at least 0. None
+            where too little skin is left around the end because flaps were carried away from it.
         """
-        return max(0.0, float((self._heights(points) - self.at_rest).max()))
-
-    def _heights(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
-        return heights_above_quadric(points, self.inner, self.ring, self.weights, self.triangles)
+        near = np.linalg.norm(points - points[self.end], axis=1) <= GONE
+        inner, ring = near[self.inner], near[self.ring]
+        if np.count_nonzero(ring) < _SECTORS:
+            return None
+        triangles = self.triangles[near[self.triangles].all(axis=1)]
+        now = heights_above_quadric(points, self.inner[inner], self.ring[ring], self.weights[ring], triangles)
+        return max(0.0, float((now - self.at_rest[inner]).max()))
 
 
 def dog_ear_at(surface: Surface, edges: WoundEdges, end: NDArray[np.float64]) -> DogEar | None:
@@ -105,7 +115,7 @@ def dog_ear_at(surface: Surface, edges: WoundEdges, end: NDArray[np.float64]) ->
     if len(np.unique(sectors % _SECTORS)) < _MIN_SECTORS:
         return None
     at_rest = heights_above_quadric(surface.points, inner, ring, area[ring], triangles)
-    return DogEar(inner, ring, area[ring], triangles, at_rest)
+    return DogEar(int(inner[np.argmin(far[inner])]), inner, ring, area[ring], triangles, at_rest)
 
 
 def heights_above_quadric(
