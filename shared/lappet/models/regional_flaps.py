@@ -102,16 +102,6 @@ REGIONAL_FLAPS = {
             scar=(44.0, 6.0),
         ),
         RegionalFlap(
-            "web_five_flap",
-            "the edge of the first web space",
-            "web-space",
-            "five-flap-z-plasty",
-            (-447.0, 259.5, 167.0),
-            (-1.0, 0.1, 0.1),
-            {"limb": 6.0},
-            "The web is not contracted, and nothing below its skin keeps it thick.",
-        ),
-        RegionalFlap(
             "cheek_limberg",
             "the cheek",
             "cheek",
