@@ -174,6 +174,15 @@ def test_the_two_islands_of_a_type_iii_are_each_others_images() -> None:
     assert design.undermined == 0.0
 
 
+def test_behind_a_type_ii_the_wound_stays_open_for_a_graft() -> None:
+    one, two = edges(drawn("keystone", length=54.0, width=18.0, advance=0.6)), edges(drawn("keystone-ii"))
+    assert set(one) - set(two) == {"stem_left", "stem_right", "back"}
+    assert set(two) == {"defect", "left", "right"}
+    for name in two:
+        assert [length(each) for each in two[name]] == pytest.approx([length(each) for each in one[name]], rel=1e-9)
+    assert drawn("keystone-ii").undermined == 0.0
+
+
 def test_the_dog_ears_of_a_round_excision_are_cut_out_after_its_middle_is_closed() -> None:
     procedure = flap_on_patch("round-excision", spacing=2.0)
     runs = {event.name: event for event in procedure.events if isinstance(event, SutureRun)}

@@ -215,9 +215,7 @@ KEYSTONE = LibraryDesign(
     _BEHAN
     + " (its abstract was read, not its figures): a curved trapezoid, its long axis beside the defect's, with V-Y "
     "advancement of each end, on random perforators.",
-    "Type II has the same drawing, for larger defects: the deep fascia is divided along the outer edge (IIA), or the "
-    "gap behind the flap gets a skin graft (IIB). The model has no deep fascia but springs below the fat, an excision "
-    "takes all layers, and there is no graft: a type II would give the numbers of type I, so the library has none. "
-    "(Types after Behan's abstract, the chapter on keystone flaps at pocketdentistry.com and Actas Dermosifiliogr. "
-    "S1578-2190(17)30369-4, of which excerpts were read.)",
+    "Type II is for larger defects: with a skin graft behind the flap (IIB) it is the design `keystone-ii`; with the "
+    "deep fascia divided along the outer edge (IIA) it has this drawing and, as the model has no deep fascia but "
+    "springs below the fat, these numbers.",
 )

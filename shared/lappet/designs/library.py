@@ -15,6 +15,7 @@ from lappet.designs.double_keystone_flap import KEYSTONE_III
 from lappet.designs.five_flap_z_plasty import FIVE_FLAP_Z_PLASTY
 from lappet.designs.four_flap_z_plasty import FOUR_FLAP_Z_PLASTY
 from lappet.designs.fusiform_excision import FUSIFORM, S_EXCISION
+from lappet.designs.grafted_keystone_flap import KEYSTONE_II
 from lappet.designs.island_v_y import ISLAND_V_Y
 from lappet.designs.karapandzic_flap import KARAPANDZIC
 from lappet.designs.keystone_flap import KEYSTONE
@@ -76,6 +77,7 @@ DESIGNS = {
         Y_V_PLASTY,
         ISLAND_V_Y,
         KEYSTONE,
+        KEYSTONE_II,
         KEYSTONE_III,
         MILLARD,
         KARAPANDZIC,
