@@ -82,6 +82,27 @@ def test_the_edges_of_an_open_fusiform_are_its_arcs_and_its_area_is_open() -> No
     assert found.tension_n_per_mm is None
 
 
+@pytest.mark.parametrize("wide", [5, 17])
+def test_an_island_that_is_sewn_all_around_is_closed_wherever_its_sutures_are_farthest_apart(wide: int) -> None:
+    """The widest gap between two sutures is elsewhere on the island than on the rim around it."""
+    turns = np.arange(24) / 24.0
+
+    def around(radius: float, wider: int) -> list[tuple[float, float, float]]:
+        angles = 2.0 * np.pi * (turns + 0.008 * (np.arange(24) >= wider) - 0.008 * np.arange(24) / 24.0)
+        return [(radius * math.cos(angle), radius * math.sin(angle), TOP) for angle in angles]
+
+    circle = tuple((12.0 * math.cos(a), 12.0 * math.sin(a), TOP) for a in np.linspace(0.0, 2.0 * np.pi, 120)[:-1])
+    sutures = [
+        Suture(f"ring/{k}", ends, 3.0) for k, ends in enumerate(zip(around(11.0, 11), around(13.0, wide), strict=True))
+    ]
+    tissue = flat_patch((60.0, 60.0, TOP), resolution=2.0, spacing=2.0)
+    events = (Incision("ring_cut", 2.0, circle, kerf=KERF, closed=True), *sutures)
+    (found,) = measures(replace(ellipse(), tissue=tissue, events=events, end_time=4.0)).values()
+    assert found.scar_length_mm > 0.9 * 24.0 * math.pi
+    assert found.closed_share > 0.98
+    assert found.open_area_mm2 < 2.0 * KERF * 24.0 * math.pi
+
+
 def test_a_closed_fusiform_is_a_scar_as_long_as_its_axis() -> None:
     (found,) = measures(ellipse(), drawn_together).values()
     assert found.scar_length_mm == pytest.approx(LENGTH, rel=4e-3)

@@ -220,8 +220,6 @@ REGIONAL_FLAPS = {
             (-40.1, 130.2, 694.0),
             (0.4, 0.0, 0.9),
             {"width": 10.0},
-            "All of it is sewn shut: no suture gapes by 0.001 mm. The measures of the wound lose the island's edge at "
-            "its corners: they count closed wound as open, and the scar is longer than they say.",
         ),
         RegionalFlap(
             "limb_keystone",

@@ -213,9 +213,38 @@ def _row(
         if ordered is None:
             return None
         places.append(ordered)
-    return _Row(
-        name, tuple(sutures), depth, (first[0].loop, second[0].loop), (tuple(places[0]), tuple(reversed(places[1])))
-    )
+    lips = _from_one_suture(edges, first, second, places[0], places[1][::-1])
+    return _Row(name, tuple(sutures), depth, (first[0].loop, second[0].loop), (tuple(lips[0]), tuple(lips[1])))
+
+
+def _from_one_suture(
+    edges: WoundEdges,
+    first: Sequence[EdgePlace],
+    second: Sequence[EdgePlace],
+    one: list[float],
+    other: list[float],
+) -> tuple[list[float], list[float]]:
+    """Begin both lips of a seam all around an island with the same suture: where it leaves out most of both."""
+    count = len(first)
+    ahead = other.index(second[[place.at for place in first].index(one[0])].at)
+    if min(ahead, count - ahead) <= max(2, count // 8):  # the same, but for sutures that cross
+        return one, other
+    loops = [edges.loops[lip[0].loop] for lip in (first, second)]
+    back = one.index(first[[place.at for place in second].index(other[0])].at)
+    lips = ((one, 1), (other, -1))
+    held = [
+        loop.to_rim(lip[-1], way) < loop.ahead(lip[-1], lip[0], way)
+        for loop, (lip, way) in zip(loops, lips, strict=True)
+    ]
+    begins = [(0, ahead)] * (not held[1]) + [(back, 0)] * (not held[0])  # what ends at a rim begins there
+    if not begins:
+        return one, other
+    left_out = [
+        sum(loop.ahead(lip[k - 1], lip[k], way) for loop, (lip, way), k in zip(loops, lips, begin, strict=True))
+        for begin in begins
+    ]
+    a, b = begins[int(np.argmax(left_out))]
+    return [*one[a:], *one[:a]], [*other[b:], *other[:b]]
 
 
 def _apart(edges: WoundEdges, first: EdgePlace, second: EdgePlace) -> float:
