@@ -111,6 +111,10 @@ def _left_open(name: str) -> float:
     value = {parameter.name: parameter.default for parameter in library_design(name).parameters}
     if name == "karapandzic":  # the defect's side along the mouth
         return value["width"]
+    if name == "keystone-ii":  # the gap behind the island, for a graft
+        radius = (value["length"] ** 2 + value["width"] ** 2) / (4.0 * value["width"])
+        back = (radius + value["breadth"] * value["width"]) * 4.0 * np.arctan2(value["width"], value["length"])
+        return float(2.0 * back + 2.0 * value["advance"] * value["width"])
     if name == "paramedian-forehead":
         r, half = 0.5 * value["diameter"], 0.5 * value["width"]
         joined = 2.0 * r * np.arcsin(half / r)  # of the defect's rim, where the pedicle leaves the paddle

@@ -98,8 +98,8 @@ def test_an_oblique_view_is_steeper_where_it_would_show_the_border_of_a_patch(ca
     small = viewpoint_on_skin(field, "oblique", halves, patch(0.97 * reach))
     assert 0.0 < steepness(small.axes[2]) - steepness(usual.axes[2]) <= STEEPEST + 1e-6
     assert farthest(small) <= 0.97 * reach
-    hopeless = viewpoint_on_skin(field, "oblique", halves, patch(0.3 * reach))
-    np.testing.assert_allclose(hopeless.position, usual.position)
+    too_small = viewpoint_on_skin(field, "oblique", halves, patch(0.3 * reach))
+    np.testing.assert_allclose(too_small.position, usual.position)
     body = replace(field, context=2.0)
     on_body = viewpoint_on_skin(body, "oblique", halves, patch(0.97 * reach))
     np.testing.assert_allclose(on_body.position, viewpoint(body, "oblique", halves).position)

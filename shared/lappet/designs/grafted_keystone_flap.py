@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
-from lappet.designs.flap_design import FlapDesign, Seam
-from lappet.designs.keystone_flap import keystone_island
+from lappet.designs.flap_design import Corner, FlapDesign, Seam
+from lappet.designs.flat_curves import NICK
+from lappet.designs.keystone_flap import KeystoneIsland, keystone_island
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
@@ -84,11 +85,19 @@ def grafted_keystone_flap(
             Seam("defect", (plane.edge_beside(island.front, island.middle), closed)),
             *(seam for seam in island.seams if seam.name in ("left", "right")),
         ),
-        (),
+        tuple(_corner(plane, island, side, end) for side, end in (("left", 0), ("right", -1))),
         (),
         (plane.point(island.middle),),
         undermined=0.0,
     )
+
+
+def _corner(plane: DesignPlane, island: KeystoneIsland, side: str, end: int) -> Corner:
+    """What of an end of the island comes to lie at the defect's tip."""
+    own, tip = island.ends[end], island.inner[end]
+    outwards = own.mean(axis=0) - island.middle
+    into = tip + NICK * outwards / np.linalg.norm(outwards)
+    return Corner(f"tip_{side}", plane.spot(own[-1], island.middle), plane.spot(tip, into))
 
 
 KEYSTONE_II = LibraryDesign(
