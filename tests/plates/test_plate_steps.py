@@ -18,9 +18,9 @@ DIVISION = (StepEvent("Incision", "division", 20.0, 20.0), StepEvent("Excision",
 def test_a_cut_after_all_sutures_makes_a_panel_before_it_and_one_after_it() -> None:
     later = StepEvent("Suture", "rejoined", 24.0, 28.0)
     steps = second_stage(FRAMES, (*FIRST, *DIVISION, later))
-    assert [(step.time, step.kind) for step in steps] == [(19.0, StepKind.SUTURED), (23.0, StepKind.DIVIDED)]
+    assert [(step.time, step.kind) for step in steps] == [(19.0, StepKind.ON_PEDICLE), (23.0, StepKind.DIVIDED)]
     steps = second_stage(FRAMES, (*FIRST, *DIVISION))
-    assert [(step.time, step.kind) for step in steps] == [(19.0, StepKind.SUTURED), (29.0, StepKind.DIVIDED)]
+    assert [(step.time, step.kind) for step in steps] == [(19.0, StepKind.ON_PEDICLE), (29.0, StepKind.DIVIDED)]
 
 
 def test_a_cut_while_sutures_are_drawn_or_where_no_hook_held_until_it_is_no_second_stage() -> None:

@@ -19,7 +19,7 @@ _KINDS: dict[PanelStep, frozenset[StepKind]] = {
     "cut": CUTS,
     "raised": frozenset({StepKind.RAISED, StepKind.RETRACTED}),
     "placed": frozenset({StepKind.PLACED, StepKind.APPROXIMATED}),
-    "sutured": frozenset({StepKind.SUTURED}),
+    "sutured": frozenset({StepKind.ON_PEDICLE, StepKind.SUTURED}),
     "result": frozenset({StepKind.RESULT}),
 }
 # Where the result looks as the sutured wound does, the operation has one of them; it may be called by either name.

@@ -377,7 +377,11 @@ class PanelMaker:
 def _later(scene: PlateScene, steps: Sequence[PlateStep], index: int) -> list[float]:
     """The frames along which arrows run: from the panel of the cut to where the flaps come to lie."""
     cut = [k for k, step in enumerate(steps) if step.kind in CUTS]
-    ends = [step.time for step in steps[index + 1 :] if step.kind in (StepKind.SUTURED, StepKind.PLACED)]
+    ends = [
+        step.time
+        for step in steps[index + 1 :]
+        if step.kind in (StepKind.ON_PEDICLE, StepKind.SUTURED, StepKind.PLACED)
+    ]
     if not cut or cut[-1] != index or not ends:
         return []
     return [time for time in scene.source.frames if steps[index].time < time <= ends[-1]]

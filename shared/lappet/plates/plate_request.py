@@ -164,4 +164,4 @@ class PlateRequest:
         bool
             Whether it does.
         """
-        return self.instruments and step.kind not in (StepKind.SUTURED, StepKind.RESULT)
+        return self.instruments and step.kind not in (StepKind.ON_PEDICLE, StepKind.SUTURED, StepKind.RESULT)

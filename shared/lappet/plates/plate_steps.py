@@ -34,6 +34,7 @@ class StepKind(StrEnum):
     PLACED = "placed"
     APPROXIMATED = "approximated"
     SUTURED = "sutured"
+    ON_PEDICLE = "on_pedicle"
     DIVIDED = "divided"
     RESULT = "result"
     FRAME = "frame"
@@ -163,7 +164,7 @@ def second_stage(frames: Sequence[float], events: Sequence[StepEvent]) -> list[P
     rejoined = min((start for start in sutures if start >= begin), default=frames[-1])
     last = _at_or_after(frames, max(e.start for e in events if e.kind in CUT_KINDS and e.start >= begin))
     after = [f for f in frames if last <= f < rejoined]
-    steps = [PlateStep(before[-1], StepKind.SUTURED)] if before else []
+    steps = [PlateStep(before[-1], StepKind.ON_PEDICLE)] if before else []
     return [*steps, PlateStep(after[-1] if after else last, StepKind.DIVIDED)]
 
 
