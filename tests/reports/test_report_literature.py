@@ -44,6 +44,23 @@ def fusiform(tmp_path_factory: pytest.TempPathFactory) -> SolveResult:
     return solve_procedure(OPERATIONS["fusiform-2"](COARSE), tmp_path_factory.mktemp("literature") / "fusiform.usdc")
 
 
+def test_the_front_of_an_advancement_flap_is_the_middle_of_its_run(tmp_path: Path) -> None:
+    """Its sutures were looked for by a name that runs do not have, and the rows said that nothing was solved."""
+    result = solve_procedure(OPERATIONS["u-plasty-2"](COARSE), tmp_path / "flap.usdc", error_estimate=False)
+    front, whole = measured.greatest_in_middle(result, "flap", 14.0), measured.greatest_of(result, "flap")
+    assert 0.0 < front.value <= whole.value
+    sides = [row for row in result.measures[-1].sutures if "flap" in row.closure and row.along_mm < 20.0]
+    assert sides
+    assert measured.greatest_in_middle(result, "flap", 200.0).value == pytest.approx(whole.value)
+    assert math.isnan(measured.greatest_in_middle(result, "nothing", 14.0).value)
+
+
+def test_every_row_whose_operations_are_solved_measures_something() -> None:
+    found = json.loads((Path(__file__).resolve().parents[2] / "docs" / "literature.json").read_text(encoding="utf-8"))
+    assert {each["name"] for each in found["rows"]} == {each.name for each in ROWS}
+    assert all(each["value"] is not None for each in found["rows"])
+
+
 @pytest.mark.parametrize(
     ("value", "error", "verdict"),
     [

@@ -182,6 +182,32 @@ def greatest_of(result: SolveResult, closure: str, *, others: bool = False) -> M
     return Measured(most.greatest_mn, most.greatest_error_mn)
 
 
+def greatest_in_middle(result: SolveResult, closure: str, width: float) -> Measured:
+    """Take the greatest force of a suture in the middle of closures at the end.
+
+    Parameters
+    ----------
+    result
+        A solve.
+    closure
+        What the names of the closures have in them.
+    width
+        Length of the middle at rest in mm.
+
+    Returns
+    -------
+    Measured
+        The force in mN.
+    """
+    rows = [row for row in result.measures[-1].sutures if closure in row.closure and row.resolved]
+    ends = {row.closure: max(each.along_mm for each in rows if each.closure == row.closure) for row in rows}
+    inside = [row for row in rows if abs(row.along_mm - 0.5 * ends[row.closure]) <= 0.5 * width]
+    if not inside:
+        return Measured(math.nan)
+    most = max(inside, key=lambda row: row.force_mn)
+    return Measured(most.force_mn, most.force_error_mn)
+
+
 def scar_length(result: SolveResult) -> Measured:
     """Add up the lengths of the scars at the end.
 

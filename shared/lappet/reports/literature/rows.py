@@ -17,6 +17,7 @@ from lappet.reports.literature.measured import (
     designed_arc,
     dog_ear,
     gape,
+    greatest_in_middle,
     greatest_of,
     limb_turn,
     scar_gain,
@@ -26,6 +27,7 @@ from lappet.reports.literature.measured import (
 from lappet.reports.literature.published import Published
 
 POUND_FORCE = 4.448  # N
+_U_WIDTH = 14.0  # mm, of the U-plasties
 _ANGLES = (30, 45, 60, 75, 90)  # of the Z-plasties, in degrees
 
 _FURNAS = "Furnas and Fischer, Br. J. Plast. Surg. 24 (1971) 144, after Limberg"
@@ -46,6 +48,11 @@ _HELD = (
     "presumably the skin around, which its tension and the patch's rim hold, takes up the gain before it shows at the "
     "ends of the scar, as paper does not"
 )
+
+
+def _front_force(result: SolveResult) -> Measured:
+    """The greatest force at the front of a U-plasty, whose run goes up one side, over the front and down the other."""
+    return greatest_in_middle(result, "flap", _U_WIDTH)
 
 
 def _z_gain(angle: int, least: float, most: float, source: str, there: str) -> Published:
@@ -321,7 +328,7 @@ ROWS = (
         "skin of the trunk, U-plasty 14 mm wide",
         Measure(
             ("u-plasty-2", "u-plasty-1"),
-            lambda long, short: greatest_of(long, "front").per(greatest_of(short, "front")),
+            lambda long, short: _front_force(long).per(_front_force(short)),
         ),
         "the forces are those of the front's sutures, which a longer flap shares out with its sides; the undermining "
         "grows with the flap. Which of these it is was not looked into",
@@ -337,7 +344,7 @@ ROWS = (
         "the same",
         Measure(
             ("u-plasty-3", "u-plasty-2"),
-            lambda long, short: greatest_of(long, "front").per(greatest_of(short, "front")),
+            lambda long, short: _front_force(long).per(_front_force(short)),
         ),
         "the forces are those of the front's sutures, which a longer flap shares out with its sides; the undermining "
         "grows with the flap. Which of these it is was not looked into",
