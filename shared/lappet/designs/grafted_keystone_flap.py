@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
-from lappet.designs.flap_design import Corner, FlapDesign, Seam
+from lappet.designs.flap_design import Corner, FlapDesign
 from lappet.designs.flat_curves import NICK
-from lappet.designs.keystone_flap import KeystoneIsland, keystone_island
+from lappet.designs.keystone_flap import KeystoneIsland, keystone_design, keystone_island
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
 
@@ -75,21 +75,9 @@ def grafted_keystone_flap(
         )
     plane = DesignPlane.at(center, skin_axes(direction, normal, _NAME), mirrored, project)
     island = keystone_island(plane, length, width, breadth * width, advance * width)
-    lower = island.inner * np.array([1.0, -1.0])
-    ring = np.vstack([lower[:-1], island.inner[:0:-1]])
-    closed = plane.edge_beside(lower, np.array([0.0, -length]))
-    return FlapDesign(
-        (plane.excised("defect", ring, np.zeros(2)),),
-        (plane.points(island.cut),),
-        (
-            Seam("defect", (plane.edge_beside(island.front, island.middle), closed)),
-            *(seam for seam in island.seams if seam.name in ("left", "right")),
-        ),
-        tuple(_corner(plane, island, side, end) for side, end in (("left", 0), ("right", -1))),
-        (),
-        (plane.point(island.middle),),
-        undermined=0.0,
-    )
+    ends = tuple(seam for seam in island.seams if seam.name in ("left", "right"))
+    corners = tuple(_corner(plane, island, side, end) for side, end in (("left", 0), ("right", -1)))
+    return keystone_design(plane, length, island, ends, corners)
 
 
 def _corner(plane: DesignPlane, island: KeystoneIsland, side: str, end: int) -> Corner:

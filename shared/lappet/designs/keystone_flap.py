@@ -78,18 +78,7 @@ def keystone_flap(
         raise refused(ProblemCode.DESIGN_OVAL, "keystone", f"{width:g}", length=length)
     plane = DesignPlane.at(center, skin_axes(direction, normal, "keystone"), mirrored, project)
     island = keystone_island(plane, length, width, breadth * width, advance * width)
-    lower = island.inner * np.array([1.0, -1.0])
-    ring = np.vstack([lower[:-1], island.inner[:0:-1]])
-    closed = plane.edge_beside(lower, np.array([0.0, -length]))
-    return FlapDesign(
-        (plane.excised("defect", ring, np.zeros(2)),),
-        (plane.points(island.cut),),
-        (Seam("defect", (plane.edge_beside(island.front, island.middle), closed)), *island.seams),
-        island.corners,
-        (),
-        (plane.point(island.middle),),
-        undermined=0.0,
-    )
+    return keystone_design(plane, length, island, island.seams, island.corners)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +175,43 @@ def keystone_island(
     behind = plane.edge_beside(outer, flap), plane.edge_beside(back, np.array([0.0, 4.0 * side * length]))
     return KeystoneIsland(
         inner, front, (taken[0], taken[1]), cut, flap, (*seams, Seam(f"{what}back", behind)), tuple(corners)
+    )
+
+
+def keystone_design(
+    plane: DesignPlane, length: float, island: KeystoneIsland, seams: tuple[Seam, ...], corners: tuple[Corner, ...]
+) -> FlapDesign:
+    """Draw the defect and the island above it, whose front goes into the defect.
+
+    Parameters
+    ----------
+    plane
+        The plane of the design.
+    length
+        Length of the defect in mm.
+    island
+        The island.
+    seams
+        Those besides the one of its front.
+    corners
+        Where its corners go.
+
+    Returns
+    -------
+    FlapDesign
+        The design. Nothing is undermined.
+    """
+    lower = island.inner * np.array([1.0, -1.0])
+    ring = np.vstack([lower[:-1], island.inner[:0:-1]])
+    closed = plane.edge_beside(lower, np.array([0.0, -length]))
+    return FlapDesign(
+        (plane.excised("defect", ring, np.zeros(2)),),
+        (plane.points(island.cut),),
+        (Seam("defect", (plane.edge_beside(island.front, island.middle), closed)), *seams),
+        corners,
+        (),
+        (plane.point(island.middle),),
+        undermined=0.0,
     )
 
 
