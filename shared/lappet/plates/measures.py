@@ -13,11 +13,17 @@ from lappet.plates.projection import Projection
 
 _BESIDE = 2.6  # mm on paper between a line and its measure
 _ARC = 4.2  # mm on paper: radius of an angle's arc
+_WIDE = 4.6  # mm on paper: so wide is an angle where its text fits into it
+_WIDEST_ARC = 14.0  # mm on paper: a text so far from its corner is hardly read as its angle
+_LEG = 0.8  # of the shorter straight leg of a corner: farther out no arc is drawn
+_BEND = np.radians(8.0)  # a leg that turns by more is not straight from there on
 _MOST = 3  # lengths, and as many angles
 _STRAIGHT_ANGLE = np.radians(150.0)  # what is wider is hardly seen as an angle
 _LEAST = 3.0  # mm: shorter legs are not measured
 _ROOM = (7.0, 3.0)  # mm on paper: two texts nearer than this in width and in height cover each other
 _HEAD = (1.5, 0.5)  # mm on paper: length and half of the width of a dimension's heads
+_TEXT = 2.4  # mm on paper from an arc to the middle of its text
+_MEETS = 1.5  # mm: legs that end so near a corner meet there
 _STRAIGHT = 1.02  # a leg that is longer than its chord by less is straight
 
 
@@ -80,13 +86,14 @@ def plan_measures(
                 found.append(Measure(text, at, np.zeros((0, 2))))
                 taken.append(at)
     angles: set[str] = set()
+    straight = [leg for line in lines for leg in legs(line)]
     for corner in corners:
         sector = corner.sectors[0]
         text = f"{np.degrees(sector.angle):.0f}°"
         if sector.angle > _STRAIGHT_ANGLE or text in angles or len(angles) == _MOST:
             continue
-        measure = _angle(corner, text, projection)
-        if not _covers(measure.at, taken):
+        measure = _angle(corner, text, projection, straight)
+        if measure is not None and not _covers(measure.at, taken):
             angles.add(text)
             found.append(measure)
             taken.append(measure.at)
@@ -179,14 +186,40 @@ def _covers(at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]]) -> bo
     return any(bool((np.abs(at - each) < np.asarray(_ROOM)).all()) for each in taken)
 
 
-def _angle(corner: Corner, text: str, projection: Projection) -> Measure:
-    """The arc of an angle in the skin's plane and its text inside."""
-    radius = _ARC / projection.scale
+def _angle(
+    corner: Corner, text: str, projection: Projection, straight: Sequence[NDArray[np.float64]]
+) -> Measure | None:
+    """The arc of an angle in the skin's plane and its text inside; None where its legs are too short or not straight.
+
+    A narrow angle has its arc farther out, where the text fits between its legs.
+    """
+    room = _LEG * min(_straight_way(corner, way, straight) for way in (corner.sectors[0].first, corner.sectors[0].second))
+    fits = _WIDE / max(2.0 * float(np.sin(0.5 * corner.sectors[0].angle)), 1e-6) - _TEXT
+    on_paper = max(_ARC, min(fits, _WIDEST_ARC))
+    if fits > _WIDEST_ARC or on_paper > room * projection.scale:
+        return None
+    radius = on_paper / projection.scale
     sector = corner.sectors[0]
     normal = np.cross(sector.first, sector.second)
     normal /= max(float(np.linalg.norm(normal)), 1e-12)
     across = np.cross(normal, sector.first)
     turns = np.linspace(0.0, sector.angle, 17)[:, None]
     arc = corner.at + radius * (np.cos(turns) * sector.first + np.sin(turns) * across)
-    middle = corner.inset(radius + 2.4 / projection.scale)
+    middle = corner.inset(radius + _TEXT / projection.scale)
     return Measure(text, projection.paper(middle[None])[0][0], projection.paper(arc)[0])
+
+
+def _straight_way(corner: Corner, way: NDArray[np.float64], legs_of: Sequence[NDArray[np.float64]]) -> float:
+    """How far a leg runs straight from a corner along a unit vector, mm; 0 where there is none."""
+    longest = 0.0
+    for leg in legs_of:
+        near = int(np.argmin(np.linalg.norm(leg - corner.at, axis=1)))
+        if np.linalg.norm(leg[near] - corner.at) > _MEETS:
+            continue
+        for course in (leg[near:], leg[: near + 1][::-1]):
+            out = course[1:] - course[0]
+            far = np.linalg.norm(out, axis=1)
+            turned = np.arccos(np.clip(out @ way / np.maximum(far, 1e-12), -1.0, 1.0))
+            bent = np.flatnonzero((turned > _BEND) & (far > _MEETS))
+            longest = max(longest, float(far[bent[0]] if len(bent) else far[-1]) if len(far) else 0.0)
+    return longest
