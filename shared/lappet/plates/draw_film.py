@@ -12,6 +12,7 @@ import numpy as np
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.plates.contact_sheet import check_sheet, write_contact_sheet
 from lappet.plates.film_camera import MOST_TURN, camera_way
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import FilmFrame, chapters, film_frames
@@ -68,6 +69,8 @@ class FilmOptions:
         What is printed on the skin, one of `lappet.plates.printed_marks.MARKS`, or None.
     dark, transparent
         Whether the ground is dark, or left out.
+    sheet
+        The file of a contact sheet, or None.
     """
 
     style: str = "schematic"
@@ -85,6 +88,7 @@ class FilmOptions:
     marks: str | None = None
     dark: bool = False
     transparent: bool = False
+    sheet: Path | None = None
 
     @property
     def ground(self) -> PageGround:
@@ -127,13 +131,15 @@ def draw_film(
         If a file cannot be written.
     """
     check_film(path, options.size, options.transparent)
+    if options.sheet is not None:
+        check_sheet(options.sheet)
     _check(path, options)
     words, font = plate_words(options.language, options.own), plate_font(options.font, options.language)
     style = plate_style(options.style, options.tone)
     below = 1.5 + LINE * style.caption_size  # mm of the caption
     source = open_cache(cache, limits)
     steps = chosen_steps(source)
-    frames = film_frames(source.frames, steps, options.fps, options.pause)
+    frames = film_frames(source.frames, steps, options.fps, options.pause, bool(options.orbit))
     request = PlateRequest(
         (PlateRow(source, tuple(each.step for each in frames)),),
         {},
@@ -161,6 +167,8 @@ def draw_film(
             _draw(makers[number], number, frame, told, options, picture, painting)
             pictures.append((picture, frame.seconds))
             progress(total - len(frames) + number + 1, total)
+        if options.sheet is not None:
+            write_contact_sheet(_held(frames, pictures), options.sheet, font.path, options.ground)
         parts = [(begin + start, begin + end, caption(step, words)) for start, end, step in chapters(frames)]
         parts = [(0.0, begin, title), *parts] if begin else parts
         write_film(pictures, parts, title, path, options.size, options.transparent)
@@ -228,6 +236,17 @@ def _draw(
     dpi = 25.4 * options.size[0] / WIDTH
     svg = plate_svg(page, maker.style, maker.font, dpi, options.ground, {} if painting is None else {0: painting})
     write_plate(svg, page.size, said, maker.font, path, dpi, transparent=options.transparent)
+
+
+def _held(frames: Sequence[FilmFrame], pictures: Sequence[tuple[Path, float]]) -> list[tuple[Path, float]]:
+    """The first picture of each step, and when it is shown; `pictures` are those of the frames after a title card."""
+    found: dict[PlateStep, tuple[Path, float]] = {}
+    now = sum(seconds for _, seconds in pictures[: len(pictures) - len(frames)])
+    for frame, (picture, seconds) in zip(frames, pictures[len(pictures) - len(frames) :], strict=True):
+        if frame.step == frame.caption:
+            found.setdefault(frame.step, (picture, now))
+        now += seconds
+    return list(found.values())
 
 
 def _painted(
