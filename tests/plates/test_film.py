@@ -17,7 +17,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.boundary_labels import PlacedLabel
 from lappet.plates.contact_sheet import check_sheet, write_contact_sheet
-from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_panel
+from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_caption, film_panel
 from lappet.plates.draw_plate import PlateOptions
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import chapters, film_frames
@@ -82,6 +82,12 @@ def test_a_contact_sheet_shows_each_picture_with_its_second(tmp_path: Path, font
     assert below.max() > 200.0  # the time is light on a dark ground
     with refuses(ProblemCode.PLATE_SUFFIX):
         check_sheet(tmp_path / "sheet.gif")
+
+
+def test_a_picture_on_the_way_to_a_step_says_so(font: PlateFont) -> None:
+    frames = film_frames([1.0, 2.0, 3.0], [PLAN, CUT], fps=4.0, pause=2.0)
+    said = [film_caption(frame, plate_words("en"), font) for frame in frames]
+    assert said == ["Planned incisions", "→ Incised", "Incised"]
 
 
 def test_the_film_of_a_plate_looks_like_the_plate() -> None:

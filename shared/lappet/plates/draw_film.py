@@ -20,7 +20,7 @@ from lappet.plates.page_ground import CLEAR, DARK, WHITE, PageGround
 from lappet.plates.painting import Painted, paint
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
-from lappet.plates.plate_font import plate_font
+from lappet.plates.plate_font import PlateFont, plate_font
 from lappet.plates.plate_page import PlatePage, checked_texts
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
@@ -33,6 +33,7 @@ from lappet.plates.title_card import title_card
 from lappet.plates.told_labels import ToldLabels
 
 WIDTH = 150.0  # mm: a page of this width fills the picture, so that text is read from the last row
+_ONWARDS = "\N{RIGHTWARDS ARROW}"  # before the caption of a step that is on its way
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,27 @@ def caption(step: PlateStep, words: PlateWords) -> str:
     return words(f"step.{step.kind}", time=f"{step.time:g}")
 
 
+def film_caption(frame: FilmFrame, words: PlateWords, font: PlateFont) -> str:
+    """Say what a picture of a film shows, or what it is on the way to.
+
+    Parameters
+    ----------
+    frame
+        The picture.
+    words
+        The catalogue.
+    font
+        The font.
+
+    Returns
+    -------
+    str
+        The caption of its step, on the way to it behind an arrow where the font has one.
+    """
+    said = caption(frame.caption, words)
+    return said if frame.step == frame.caption or not font.has(_ONWARDS) else f"{_ONWARDS} {said}"
+
+
 def film_panel(maker: PanelMaker, number: int, frame: FilmFrame, told: ToldLabels) -> PagePanel:
     """Make a picture's panel: where a film is held it names what is seen; on the way these names ride along.
 
@@ -216,7 +238,7 @@ def film_panel(maker: PanelMaker, number: int, frame: FilmFrame, told: ToldLabel
     told.riding = not held
     told.keys = set() if held else told.keys
     middle = np.array([0.5 * WIDTH, 0.5 * maker.size[1]])
-    (panel, *_) = maker.panels(number, (caption(frame.caption, maker.words),), middle, told)
+    (panel, *_) = maker.panels(number, (film_caption(frame, maker.words, maker.font),), middle, told)
     return replace(panel, letter="")  # it is alone
 
 
@@ -231,7 +253,7 @@ def _draw(
 ) -> None:
     """Draw a picture."""
     panel = film_panel(maker, number, frame, told)
-    said = caption(frame.caption, maker.words)
+    said = film_caption(frame, maker.words, maker.font)
     page = PlatePage(_page_size(options), maker.size, (panel,), said)
     dpi = 25.4 * options.size[0] / WIDTH
     svg = plate_svg(page, maker.style, maker.font, dpi, options.ground, {} if painting is None else {0: painting})

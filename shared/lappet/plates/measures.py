@@ -13,7 +13,7 @@ from lappet.plates.projection import Projection
 
 _BESIDE = 2.6  # mm on paper between a line and its measure
 _ARC = 4.2  # mm on paper: radius of an angle's arc
-_WIDE = 4.6  # mm on paper: so wide is an angle where its text fits into it
+_WIDE = 5.0  # mm on paper: so wide is an angle where its text fits into it
 _WIDEST_ARC = 14.0  # mm on paper: a text so far from its corner is hardly read as its angle
 _LEG = 0.8  # of the shorter straight leg of a corner: farther out no arc is drawn
 _BEND = np.radians(8.0)  # a leg that turns by more is not straight from there on

@@ -235,7 +235,8 @@ def _annotate(
         _arrow(groups["arrows"], way, style.accent)
     for at in panel.notes.pivots:
         _pivot(groups["arrows"], at, style.accent)
-    for measure in panel.notes.measures:  # they may lie on dark wounds
+    # Those of the user may lie on dark wounds.
+    for measure in (*(panel.measures if style.dark else ()), *panel.notes.measures):
         if len(measure.arc):
             groups["measures"].append(_line(measure.arc, 2.0 * _FINE + 0.25, _HALO))
     for measure in (*panel.measures, *panel.notes.measures):
