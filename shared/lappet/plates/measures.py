@@ -21,6 +21,8 @@ _MOST = 3  # lengths, and as many angles
 _STRAIGHT_ANGLE = np.radians(150.0)  # what is wider is hardly seen as an angle
 _LEAST = 3.0  # mm: shorter legs are not measured
 _ROOM = (7.0, 3.0)  # mm on paper: two texts nearer than this in width and in height cover each other
+_LETTER_ROOM = (4.0, 3.0)  # mm on paper: the same of a text and a letter
+_ON_LINE = (1.9, 1.2)  # mm on paper: an angle whose text comes so near a cut in width and in height is left out
 _HEAD = (1.5, 0.5)  # mm on paper: length and half of the width of a dimension's heads
 _TEXT = 2.4  # mm on paper from an arc to the middle of its text
 _MEETS = 1.5  # mm: legs that end so near a corner meet there
@@ -51,6 +53,7 @@ def plan_measures(
     corners: Sequence[Corner],
     projection: Projection,
     letters: Sequence[NDArray[np.float64]] = (),
+    kept: Sequence[int] = (),
 ) -> list[Measure]:
     """Measure planned cuts; equal lengths and equal angles are written once.
 
@@ -64,6 +67,8 @@ def plan_measures(
         How they come onto the paper.
     letters
         Where letters stand in mm on paper, each of shape (2,); a measure that would cover one is left out.
+    kept
+        For each corner the index of a sector that is not excised: angles of flaps come before those of defects.
 
     Returns
     -------
@@ -72,7 +77,7 @@ def plan_measures(
     """
     paper = np.concatenate([projection.paper(line)[0] for line in lines]) if lines else np.zeros((0, 2))
     found: list[Measure] = []
-    taken = list(letters)
+    taken: list[NDArray[np.float64]] = []
     said: set[str] = set()
     for line in lines:
         for leg in legs(line):
@@ -80,20 +85,23 @@ def plan_measures(
             text = f"{length:.0f} mm"
             if text in said or len(said) == _MOST or length > _STRAIGHT * float(np.linalg.norm(leg[-1] - leg[0])):
                 continue
-            at = beside(projection.paper(leg)[0], paper, taken)
-            if length >= _LEAST and not _covers(at, taken):
+            at = beside(projection.paper(leg)[0], paper, [*letters, *taken])
+            if length >= _LEAST and not _covers(at, taken) and not _covers(at, letters, _LETTER_ROOM):
                 said.add(text)
                 found.append(Measure(text, at, np.zeros((0, 2))))
                 taken.append(at)
     angles: set[str] = set()
     straight = [leg for line in lines for leg in legs(line)]
-    for corner in corners:
+    flaps_first = sorted(range(len(corners)), key=lambda k: k < len(kept) and kept[k] != 0)
+    for corner in (corners[k] for k in flaps_first):
         sector = corner.sectors[0]
         text = f"{np.degrees(sector.angle):.0f}°"
         if sector.angle > _STRAIGHT_ANGLE or text in angles or len(angles) == _MOST:
             continue
         measure = _angle(corner, text, projection, straight)
-        if measure is not None and not _covers(measure.at, taken):
+        if measure is None or _covers(measure.at, letters, _LETTER_ROOM) or _covers(measure.at, paper, _ON_LINE):
+            continue
+        if not _covers(measure.at, taken):
             angles.add(text)
             found.append(measure)
             taken.append(measure.at)
@@ -182,8 +190,10 @@ def dimension(paper: NDArray[np.float64], away: float) -> tuple[NDArray[np.float
     return np.array(course), ends.mean(axis=0)
 
 
-def _covers(at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]]) -> bool:
-    return any(bool((np.abs(at - each) < np.asarray(_ROOM)).all()) for each in taken)
+def _covers(
+    at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]] | NDArray[np.float64], room: tuple[float, float] = _ROOM
+) -> bool:
+    return bool(len(taken)) and bool((np.abs(np.asarray(taken) - at) < np.asarray(room)).all(axis=1).any())
 
 
 def _angle(

@@ -223,7 +223,7 @@ class PanelMaker:
         if step.kind not in _PLANS:
             return []
         letters = [each.at for each in drawing.letters]
-        return plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+        return plan_measures(scene.lines, scene.corners, drawing.projection, letters, scene.kept)
 
     def _variant_names(self, drawing: PanelDrawing, told: ToldLabels) -> list[tuple[str, NDArray[np.float64]]]:
         """The names of operations that are drawn over the panel's, each on the first panel that shows it."""
