@@ -38,7 +38,7 @@ class ProcessTree:
         )
 
     def end(self, at_once: bool = False) -> None:
-        """Ask the command and what it has started to end. at_once: nothing of it can refuse, as nothing can on Windows."""
+        """Ask the command and what it has started to end. at_once: nothing of it can refuse; nor can it on Windows."""
         if self._job is not None:
             self._job.end()
             return

@@ -1,7 +1,7 @@
 """A job of Windows: a process and all that it starts, ended together, whatever has become of their parents.
 
-A process starts suspended, is put into the job and then goes on, so that nothing it starts can be outside. When the job's last
-handle is closed, as when Blender itself ends, all that is in it ends too.
+A process starts suspended, is put into the job and then goes on, so that nothing it starts can be outside. When the
+job's last handle is closed, as when Blender itself ends, all that is in it ends too.
 """
 
 from __future__ import annotations

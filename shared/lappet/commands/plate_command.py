@@ -104,7 +104,9 @@ class PanelCaption(click.ParamType):
 @click.option("--arrows/--no-arrows", default=True, show_default=True, help="Ways of the flaps.")
 @click.option("--measures/--no-measures", default=True, show_default=True, help="Lengths and angles of the plan.")
 @click.option("--instruments/--no-instruments", default=True, show_default=True, help="Hooks.")
-@click.option("--movie", type=FILE, help="Also a film of the first cache in this style (.mp4, .webm, .gif, .webp, .png).")
+@click.option(
+    "--movie", type=FILE, help="Also a film of the first cache in this style (.mp4, .webm, .gif, .webp, .png)."
+)
 @reading_options
 @click.pass_context
 def plate(

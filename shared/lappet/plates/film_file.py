@@ -19,7 +19,10 @@ _MATRIX = ":out_color_matrix=bt709:out_range=tv"
 _PARAMETERS = "setparams=color_primaries=bt709:color_trc=bt709"
 _TOLD = ("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv")
 _CODECS = {
-    ".mp4": ("-c:v", "libx264", "-preset", "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", *_TOLD),
+    ".mp4": (
+        *("-c:v", "libx264", "-preset", "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+        *_TOLD,
+    ),
     ".webm": ("-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-pix_fmt", "yuv420p", "-row-mt", "1", *_TOLD),
     ".gif": ("-loop", "0"),
     ".webp": ("-c:v", "libwebp", "-loop", "0", "-quality", "85"),

@@ -1,4 +1,4 @@
-"""Where the letters of corners stand: beside them on the tissue that they ride on, off the lines where there is room."""
+"""Where the letters of corners stand: beside them on the tissue that they ride on, off lines where there is room."""
 
 from __future__ import annotations
 

@@ -191,7 +191,9 @@ def dimension(paper: NDArray[np.float64], away: float) -> tuple[NDArray[np.float
 
 
 def _covers(
-    at: NDArray[np.float64], taken: Sequence[NDArray[np.float64]] | NDArray[np.float64], room: tuple[float, float] = _ROOM
+    at: NDArray[np.float64],
+    taken: Sequence[NDArray[np.float64]] | NDArray[np.float64],
+    room: tuple[float, float] = _ROOM,
 ) -> bool:
     return bool(len(taken)) and bool((np.abs(np.asarray(taken) - at) < np.asarray(room)).all(axis=1).any())
 
@@ -203,7 +205,9 @@ def _angle(
 
     A narrow angle has its arc farther out, where the text fits between its legs.
     """
-    room = _LEG * min(_straight_way(corner, way, straight) for way in (corner.sectors[0].first, corner.sectors[0].second))
+    room = _LEG * min(
+        _straight_way(corner, way, straight) for way in (corner.sectors[0].first, corner.sectors[0].second)
+    )
     fits = _WIDE / max(2.0 * float(np.sin(0.5 * corner.sectors[0].angle)), 1e-6) - _TEXT
     on_paper = max(_ARC, min(fits, _WIDEST_ARC))
     if fits > _WIDEST_ARC or on_paper > room * projection.scale:

@@ -31,7 +31,8 @@ def pull_arrows(scene: PlateScene, time: float, projection: Projection) -> list[
     -------
     list[NDArray[np.float64]]
         Straight arrows in mm, each of shape (2, 2): from the point that a hook holds on in the direction in which it
-        has come since the hook took hold, or up to it where there is no room beyond. Those that have come farthest are first; all are as long.
+        has come since the hook took hold, or up to it where there is no room beyond. Those that have come farthest are
+        first; all are as long.
     """
     source = scene.source
     now = source.hooks(time)
