@@ -162,7 +162,7 @@ _FILLS = {
     **_EYES,
 }
 _GREY = {
-    AreaKind.SKIN: "#ffffff",
+    AreaKind.SKIN: "#ebebeb",
     AreaKind.FLAP_UNDERSIDE: "#c4c4c4",
     AreaKind.BED: "#8a8a8a",
     AreaKind.WALL_SKIN: "#dadada",

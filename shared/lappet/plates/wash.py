@@ -12,18 +12,20 @@ from lappet.plates.panel_drawing import PanelDrawing
 from lappet.plates.smooth_normals import smooth_normals
 
 _AMBIENT = 0.55
-_FACET = 1.2  # mm on paper: what is smaller on the surface throws no light of its own
+_FACET = 1.8  # mm on paper: what is smaller on the surface throws no light of its own
 _SOFT = 2.0  # pixels by which light is blurred
 _OUTLINE = 0.8  # pixels by which the outlines of areas are smoothed
 _HALO = 1.6  # mm on paper: how far from an edge its shadow reaches
 _SHADOW = 0.30  # of the light that a place deep in a wound loses
+_CONTRAST = 1.3  # power of the light: a little more than one models a face, which is lit from everywhere
+_WARM = (0.8, 1.08, 1.25)  # powers of the light in red, green and blue: the shadows of skin are warmer than its lights
 _LIT = 90.0  # percent of the skin that is darker than its own color
 _DEEP = 4.0  # mm below what is around it at which it has lost nearly all of that
 
 
 def wash(
     drawing: PanelDrawing,
-    light: NDArray[np.float64],
+    towards: NDArray[np.float64],
     fills: dict[AreaKind, str],
     goes_on: bool,
     dpi: float,
@@ -37,7 +39,7 @@ def wash(
     ----------
     drawing
         The panel.
-    light
+    towards
         Unit vector towards the light, shape (3,).
     fills
         Color of each kind of area, #rrggbb.
@@ -57,7 +59,7 @@ def wash(
     shape = pixels.kind.shape
     seen = (pixels.kind >= 0) & (pixels.triangle >= 0)
     shade = np.ones(shape)
-    shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(_facing(drawing, seen, light), 0.0, 1.0)
+    shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(_facing(drawing, seen, towards), 0.0, 1.0)
     beside = _nearest(seen)
     shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, _SOFT)
     depth = pixels.depth[tuple(beside)] if seen.any() else np.zeros(shape)
@@ -66,7 +68,7 @@ def wash(
     shade = shade * (1.0 - _SHADOW * np.tanh(np.clip(depth - around, 0.0, None) / _DEEP * 2.0))
     palette = np.array([[int(fills[kind][k : k + 2], 16) for k in (1, 3, 5)] for kind in AreaKind], np.float64)
     level = np.percentile(shade[pixels.kind == 0], _LIT) if (pixels.kind == 0).any() else 1.0
-    shade = np.clip(shade / max(float(level), 1e-6), 0.0, 1.08)
+    shade = np.clip(shade / max(float(level), 1e-6), 0.0, 1.08) ** _CONTRAST
     shade[~seen | (pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW))] = 1.0
     factor = dpi / 25.4 * PIXEL
     kinds = np.where(seen, pixels.kind, -1)
@@ -79,7 +81,9 @@ def wash(
         hue[known] = 255.0 * ramp_display(np.abs(mapped[known]) / full)
         share = _crisp(known, factor)[..., None]
         color = share * _enlarged(hue[tuple(_nearest(known))] if known.any() else hue, factor) + (1.0 - share) * color
-    return np.clip(np.rint(color * _enlarged(shade, factor)[..., None]), 0, 255).astype(np.uint8)
+    grey = mapped is not None or np.ptp(palette[0]) == 0.0
+    light = _enlarged(shade, factor)[..., None] ** (np.ones(3) if grey else np.array(_WARM))
+    return np.clip(np.rint(color * light), 0, 255).astype(np.uint8)
 
 
 def _colored(
