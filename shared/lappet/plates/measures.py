@@ -23,6 +23,7 @@ _LEAST = 3.0  # mm: shorter legs are not measured
 _ROOM = (7.0, 3.0)  # mm on paper: two texts nearer than this in width and in height cover each other
 _LETTER_ROOM = (4.0, 3.0)  # mm on paper: the same of a text and a letter
 _ON_LINE = (1.9, 1.2)  # mm on paper: an angle whose text comes so near a cut in width and in height is left out
+_LENGTH_ON_LINE = (3.0, 1.2)  # the same of a length, which is wider
 _HEAD = (1.5, 0.5)  # mm on paper: length and half of the width of a dimension's heads
 _TEXT = 2.4  # mm on paper from an arc to the middle of its text
 _MEETS = 1.5  # mm: legs that end so near a corner meet there
@@ -86,7 +87,8 @@ def plan_measures(
             if text in said or len(said) == _MOST or length > _STRAIGHT * float(np.linalg.norm(leg[-1] - leg[0])):
                 continue
             at = beside(projection.paper(leg)[0], paper, [*letters, *taken])
-            if length >= _LEAST and not _covers(at, taken) and not _covers(at, letters, _LETTER_ROOM):
+            hidden = _covers(at, letters, _LETTER_ROOM) or _covers(at, paper, _LENGTH_ON_LINE)
+            if length >= _LEAST and not hidden and not _covers(at, taken):
                 said.add(text)
                 found.append(Measure(text, at, np.zeros((0, 2))))
                 taken.append(at)

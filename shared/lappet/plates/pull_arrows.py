@@ -13,6 +13,8 @@ _AWAY = 1.2  # mm on paper between the hook's point and its arrow
 _BORDER = 0.8  # mm on paper between an arrow and the panel's border
 _LEAST = 1.5  # mm on paper: what has moved less is held, not pulled
 _MOST = 4
+_NEAR = 6.0  # mm on paper: of arrows that begin nearer to each other and point the same way one is drawn
+_SAME_WAY = 0.8  # cosine of the angle between such arrows
 
 
 def pull_arrows(scene: PlateScene, time: float, projection: Projection) -> list[NDArray[np.float64]]:
@@ -50,4 +52,14 @@ def pull_arrows(scene: PlateScene, time: float, projection: Projection) -> list[
             arrows = [paper[1] + ahead, paper[1] - ahead[::-1]]
             found += [(moved, each) for each in arrows if (np.abs(each) <= room).all()][:1]
     found.sort(key=lambda each: -each[0])
-    return [way for _, way in found[:_MOST]]
+    kept: list[NDArray[np.float64]] = []
+    for _, way in found:
+        if len(kept) < _MOST and not any(_beside(way, other) for other in kept):
+            kept.append(way)
+    return kept
+
+
+def _beside(way: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether an arrow says what one beside it says already."""
+    along = (way[1] - way[0]) @ (other[1] - other[0]) / _LENGTH**2
+    return bool(np.linalg.norm(way[0] - other[0]) < _NEAR and along > _SAME_WAY)
