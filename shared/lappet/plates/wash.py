@@ -60,16 +60,17 @@ def wash(
     seen = (pixels.kind >= 0) & (pixels.triangle >= 0)
     shade = np.ones(shape)
     shade[seen] = _AMBIENT + (1.0 - _AMBIENT) * np.clip(_facing(drawing, seen, towards), 0.0, 1.0)
-    beside = _nearest(seen)
-    shade = gaussian_filter(shade[tuple(beside)] if seen.any() else shade, _SOFT)
-    depth = pixels.depth[tuple(beside)] if seen.any() else np.zeros(shape)
-    depth = depth - _slope(depth)  # what lies flat before the camera throws no shadow at the panel's border
+    beside = tuple(_nearest(seen)) if seen.any() else (slice(None),)
+    shade = gaussian_filter(shade[beside], _SOFT)
+    # What lies flat before the camera throws no shadow, neither at the panel's border nor where a cut-out ends.
+    depth = _above_slope(pixels.depth, seen)[beside]
     around = _blurred(depth, _HALO / PIXEL)
     shade = shade * (1.0 - _SHADOW * np.tanh(np.clip(depth - around, 0.0, None) / _DEEP * 2.0))
     palette = np.array([[int(fills[kind][k : k + 2], 16) for k in (1, 3, 5)] for kind in AreaKind], np.float64)
     level = np.percentile(shade[pixels.kind == 0], _LIT) if (pixels.kind == 0).any() else 1.0
     shade = np.clip(shade / max(float(level), 1e-6), 0.0, 1.08) ** _CONTRAST
-    shade[~seen | (pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW))] = 1.0
+    shade = shade[beside] if goes_on and drawing.pixels.quantity is None else np.where(seen, shade, 1.0)
+    shade[pixels.kind == tuple(AreaKind).index(AreaKind.HOLLOW)] = 1.0
     factor = dpi / 25.4 * PIXEL
     kinds = np.where(seen, pixels.kind, -1)
     mapped = drawing.pixels.quantity
@@ -136,9 +137,11 @@ def _blurred(values: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
     return np.asarray(wide[beyond:-beyond, beyond:-beyond])
 
 
-def _slope(depth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The plane that fits a depth buffer best, (h, w)."""
-    rows, columns = np.indices(depth.shape, np.float64)
-    terms = np.stack([np.ones(depth.size), rows.ravel(), columns.ravel()], axis=1)
-    plane: NDArray[np.float64] = (terms @ np.linalg.lstsq(terms, depth.ravel(), rcond=None)[0]).reshape(depth.shape)
-    return plane
+def _above_slope(depth: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Depths less the plane that fits those that are seen best; 0 where nothing is seen, (h, w)."""
+    rows, columns = np.nonzero(seen)
+    found = np.zeros(depth.shape)
+    if len(rows):
+        terms = np.stack([np.ones(len(rows)), rows, columns], axis=1)
+        found[seen] = depth[seen] - terms @ np.linalg.lstsq(terms, depth[seen], rcond=None)[0]
+    return found
