@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import stat
+import subprocess
 import sys
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -19,6 +21,7 @@ from lappet.daemon.process import find_daemon
 from lappet.export.simplify_target import SimplifyTarget
 from lappet_blender.plates import output_jobs
 from lappet_blender.plates.command_job import CommandJob, find_command
+from lappet_blender.plates.windows_job import WindowsJob
 from lappet_blender.translation.dictionary import LANGUAGES, messages
 from refusals import refusal
 
@@ -42,6 +45,13 @@ import subprocess, sys, time
 child = "import signal, sys, time; signal.signal(signal.SIGTERM, signal.SIG_IGN)\\n"
 child += "while True: open(sys.argv[1], 'a').write('.'); time.sleep(0.05)"
 subprocess.Popen([sys.executable, "-c", child, sys.argv[4]])
+print("drawing", flush=True)
+time.sleep(600)
+"""
+# What it writes for itself is left behind when it is ended.
+LITTERS = """#!{python}
+import pathlib, sys, tempfile, time
+pathlib.Path(sys.argv[4]).write_text(tempfile.mkdtemp())
 print("drawing", flush=True)
 time.sleep(600)
 """
@@ -123,8 +133,8 @@ def test_a_cancelled_command_ends_at_once(tmp_path: Path) -> None:
     made.cancel(10.0)
     assert time.monotonic() - began < 5.0
     assert (made.state, made.problem) == ("cancelled", None)
-    assert made._process is not None
-    assert made._process.poll() is not None
+    assert made._tree is not None
+    assert made._tree.process.poll() is not None
 
 
 def test_what_a_cancelled_command_has_started_ends_too(tmp_path: Path) -> None:
@@ -138,6 +148,75 @@ def test_what_a_cancelled_command_has_started_ends_too(tmp_path: Path) -> None:
     before = beat.stat().st_size
     time.sleep(0.5)
     assert beat.stat().st_size == before > 3
+
+
+def test_a_cancelled_command_leaves_no_temporary_files(tmp_path: Path) -> None:
+    made = job(tmp_path, LITTERS)
+    end = time.monotonic() + 20.0
+    while not made.said and time.monotonic() < end:
+        time.sleep(0.02)
+    litter = Path((tmp_path / "plate.svg").read_text())
+    assert litter.is_dir()
+    made.cancel(10.0)
+    assert not litter.exists()
+
+
+class Recorded:
+    """Windows' functions, of which some fail; what is called is written down."""
+
+    def __init__(self, *failing: str) -> None:
+        self.calls: list[str] = []
+        self.failing = failing
+
+    def __getattr__(self, name: str) -> Callable[..., int]:
+        def call(*_values: object) -> int:
+            self.calls.append(name)
+            return 0 if name in self.failing else 7
+
+        return call
+
+
+class Suspended:
+    """A process as Windows starts it; `flags` are those that it was started with."""
+
+    def __init__(self, _command: Sequence[str], creationflags: int) -> None:
+        self._handle, self.flags, self.ended = 11, creationflags, False
+
+    def kill(self) -> None:
+        self.ended = True
+
+    def wait(self) -> int:
+        return 1
+
+
+def test_on_windows_a_command_goes_on_only_once_it_is_in_its_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(subprocess, "Popen", Suspended)
+    system = Recorded()
+    made = WindowsJob(system)
+    process = made.start(["lappet"], creationflags=0x08000000)
+    assert process.flags == 0x08000004  # type: ignore[attr-defined]  # without a window, suspended
+    made.end()
+    made.close()
+    made.close()
+    assert system.calls == [
+        *("CreateJobObjectW", "SetInformationJobObject", "AssignProcessToJobObject", "NtResumeProcess"),
+        *("TerminateJobObject", "CloseHandle"),
+    ]
+
+
+def test_on_windows_a_command_that_comes_into_no_job_does_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[Suspended] = []
+
+    def popen(command: Sequence[str], **options: int) -> Suspended:
+        started.append(Suspended(command, **options))
+        return started[0]
+
+    monkeypatch.setattr(subprocess, "Popen", popen)
+    system = Recorded("AssignProcessToJobObject")
+    with pytest.raises(OSError, match="into its job"):
+        WindowsJob(system).start(["lappet"])
+    assert started[0].ended
+    assert "NtResumeProcess" not in system.calls
 
 
 def test_without_a_command_a_sentence_says_so(

@@ -16,11 +16,15 @@ from shapely import LineString, box
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
 from lappet.plates.boundary_labels import PlacedLabel
-from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_panel
+from lappet.plates.contact_sheet import check_sheet, write_contact_sheet
+from lappet.plates.draw_film import WIDTH, FilmOptions, draw_film, film_caption, film_panel
+from lappet.plates.draw_plate import PlateOptions
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import chapters, film_frames
+from lappet.plates.page_ground import DARK
 from lappet.plates.plate_cache import chosen_steps
 from lappet.plates.plate_font import PlateFont
+from lappet.plates.plate_movie import film_options
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
 from lappet.plates.plate_scene import plate_scene
@@ -54,6 +58,42 @@ def test_frames_between_steps_run_and_steps_are_held() -> None:
         *((4.0, 0.25), (5.0, 0.25), (6.0, 2.0)),
     ]
     assert [frame.caption for frame in frames] == [PLAN, CUT, CUT, END, END, END]
+
+
+def test_while_a_camera_turns_a_step_is_held_by_as_many_pictures_as_are_shown_on_the_way() -> None:
+    times = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    standing, turning = (film_frames(times, [PLAN, CUT, END], 4.0, 2.0, turning=each) for each in (False, True))
+    assert {frame.seconds for frame in turning} == {0.25}
+    assert [frame.step.time for frame in turning].count(3.0) == 8
+    assert chapters(turning) == chapters(standing)
+
+
+def test_a_contact_sheet_shows_each_picture_with_its_second(tmp_path: Path, font: PlateFont) -> None:
+    shades, pictures = (30, 90, 150, 210), []
+    for number, shade in enumerate(shades):
+        picture = tmp_path / f"{number}.png"
+        Image.new("RGB", (1280, 720), (shade, shade, shade)).save(picture)
+        pictures.append((picture, 65.5 * number))
+    write_contact_sheet(pictures, tmp_path / "sheet.png", font.path, DARK)
+    with Image.open(tmp_path / "sheet.png") as sheet:
+        grey = np.asarray(sheet.convert("L"), float)
+    assert [np.isclose(grey, shade, atol=1.0).mean() > 0.1 for shade in shades] == [True] * 4  # a ninth of it each
+    below = grey[24 + 360 + 2 : 24 + 360 + 32, 24:664]
+    assert below.max() > 200.0  # the time is light on a dark ground
+    with refuses(ProblemCode.PLATE_SUFFIX):
+        check_sheet(tmp_path / "sheet.gif")
+
+
+def test_a_picture_on_the_way_to_a_step_says_so(font: PlateFont) -> None:
+    frames = film_frames([1.0, 2.0, 3.0], [PLAN, CUT], fps=4.0, pause=2.0)
+    said = [film_caption(frame, plate_words("en"), font) for frame in frames]
+    assert said == ["Planned incisions", "→ Incised", "Incised"]
+
+
+def test_the_film_of_a_plate_looks_like_the_plate() -> None:
+    plate = PlateOptions(style="ink", tone=8, language="fr", shown={"view": "top", "marks": "grid", "width": 85.0})
+    film = film_options(plate)
+    assert (film.style, film.tone, film.language, film.view, film.marks) == ("ink", 8, "fr", "top", "grid")
 
 
 def test_chapters_follow_each_other_without_a_gap() -> None:

@@ -19,10 +19,11 @@ from typing import Literal
 from lappet.core.problem import Problem, ProblemsError, file_problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 
-from .process_tree import end_tree, start_tree
+from .process_tree import ProcessTree
 
 JobState = Literal["cache", "drawing", "done", "failed", "cancelled"]
 _LAST_LINES = 4
+_TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # variables that say where temporary files are written
 _PATIENCE = 5.0  # seconds that a command has to end after it was asked to
 
 
@@ -59,7 +60,7 @@ class CommandJob:
         """Begin; returns at once."""
         self._cancelled = threading.Event()
         self._lock = threading.Lock()
-        self._process: subprocess.Popen[str] | None = None
+        self._tree: ProcessTree | None = None
         self._thread = threading.Thread(target=self._run, name=f"lappet {self.target.name}", daemon=True)
         self._thread.start()
 
@@ -75,16 +76,16 @@ class CommandJob:
         """
         self._cancelled.set()
         with self._lock:
-            if self._process is not None and self._process.poll() is None:
-                end_tree(self._process)
-                stubborn = threading.Timer(_PATIENCE, self._end_at_once, [self._process])
+            if self._tree is not None and self._tree.process.poll() is None:
+                self._tree.end()
+                stubborn = threading.Timer(_PATIENCE, self._end_at_once, [self._tree])
                 stubborn.daemon = True
                 stubborn.start()
         self._thread.join(wait)
 
-    def _end_at_once(self, process: subprocess.Popen[str]) -> None:
+    def _end_at_once(self, tree: ProcessTree) -> None:
         if self.running:
-            end_tree(process, at_once=True)
+            tree.end(at_once=True)
 
     def join(self, timeout: float) -> None:
         """Wait for its end, at most `timeout` seconds."""
@@ -92,11 +93,12 @@ class CommandJob:
 
     def _run(self) -> None:
         try:
-            with tempfile.TemporaryDirectory(prefix="lappet_") as folder:
+            # On Windows a file that a process has just let go of may stay open for a moment.
+            with tempfile.TemporaryDirectory(prefix="lappet_", ignore_cleanup_errors=True) as folder:
                 cache = Path(folder) / f"{self.target.stem or 'operation'}.usdc"
                 self.cache(cache)
                 if not self._cancelled.is_set():
-                    self._call([*self.command, *self.arguments(cache)])
+                    self._call([*self.command, *self.arguments(cache)], Path(folder))
         except ProblemsError as error:
             self.problem = error.problems[0]
         except OSError as error:
@@ -109,30 +111,33 @@ class CommandJob:
         else:
             self.state = "done" if self.problem is None else "failed"
 
-    def _call(self, command: Sequence[str]) -> None:
+    def _call(self, command: Sequence[str], folder: Path) -> None:
+        """Run the command; what it and its processes write for themselves goes with the folder."""
         self.state = "drawing"
-        process = start_tree(command)
+        tree = ProcessTree(command, dict.fromkeys(_TEMPORARY, str(folder)))
         with self._lock:
-            self._process = process
+            self._tree = tree
         if self._cancelled.is_set():  # between its start and now
-            end_tree(process)
-        with process:
+            tree.end()
+        with tree.process as process:
             assert process.stdout is not None
             for line in process.stdout:
                 if line.strip():
                     self.said.append(line.strip())
-            status = self._ended(process)
+            status = _ended(tree)
         if self._cancelled.is_set():
-            end_tree(process, at_once=True)  # what has not ended with the command
+            tree.end(at_once=True)  # what has not ended with the command
+        tree.close()
         if status:
             said = " ".join(self.said) or f"exit status {status}"
             self.problem = problem(ProblemCode.LAPPET_COMMAND_FAILED, self.target.name, said)
 
-    def _ended(self, process: subprocess.Popen[str]) -> int:
-        """The exit status; a command that has closed its output but does not end is killed."""
-        try:
-            return process.wait(_PATIENCE)
-        except subprocess.TimeoutExpired:
-            end_tree(process, at_once=True)
-            process.kill()
-            return process.wait()
+
+def _ended(tree: ProcessTree) -> int:
+    """The exit status; a command that has closed its output but does not end is killed."""
+    try:
+        return tree.process.wait(_PATIENCE)
+    except subprocess.TimeoutExpired:
+        tree.end(at_once=True)
+        tree.process.kill()
+        return tree.process.wait()

@@ -39,6 +39,7 @@ _VIEWS = ("oblique", "top", "low")
 @click.option("--orbit", type=float, default=0.0, show_default=True, help="Degrees by which the camera turns, to 120.")
 @click.option("--dark", is_flag=True, help="A dark ground.")
 @click.option("--transparent", is_flag=True, help="Leave the ground out (.webm, .webp, .png).")
+@click.option("--sheet", type=FILE, help="Also a contact sheet of the steps (.png, .tif).")
 @reading_options
 @click.pass_context
 def film(context: click.Context, /, cache: Path, film: Path, limits: ReadLimits, **options: Any) -> None:

@@ -104,6 +104,9 @@ class PanelCaption(click.ParamType):
 @click.option("--arrows/--no-arrows", default=True, show_default=True, help="Ways of the flaps.")
 @click.option("--measures/--no-measures", default=True, show_default=True, help="Lengths and angles of the plan.")
 @click.option("--instruments/--no-instruments", default=True, show_default=True, help="Hooks.")
+@click.option(
+    "--movie", type=FILE, help="Also a film of the first cache in this style (.mp4, .webm, .gif, .webp, .png)."
+)
 @reading_options
 @click.pass_context
 def plate(
@@ -127,6 +130,7 @@ def plate(
     overlay: bool,
     profile: Path | None,
     transparent: bool,
+    movie: Path | None,
     limits: ReadLimits,
     **shown: Any,
 ) -> None:
@@ -158,10 +162,18 @@ def plate(
             plan_pen=cast("Any", plan_pen or ""),
             overlay=overlay,
         )
+        if movie is not None:
+            with extra("A film", "film,plates"):
+                import imageio_ffmpeg  # noqa: F401 - missing, it would be missed after all has been drawn
+
+                from lappet.plates.plate_movie import check_movie, draw_movie
+            check_movie(movie, options)
         drawn = draw_plate(caches, [picture], options, limits, lambda line: click.echo(line, err=True))
         for note in drawn.notes:
             click.echo(f"{note.severity}: {note}", err=True)
         click.echo(picture)
+        if movie is not None:
+            click.echo(draw_movie(caches[0], movie, drawn.options, limits))
 
 
 def _add_template(files: tuple[Path, ...], output: Path, template: str, limits: ReadLimits) -> None:

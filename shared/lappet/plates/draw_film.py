@@ -12,6 +12,7 @@ import numpy as np
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.plates.contact_sheet import check_sheet, write_contact_sheet
 from lappet.plates.film_camera import MOST_TURN, camera_way
 from lappet.plates.film_file import check_film, write_film
 from lappet.plates.film_frames import FilmFrame, chapters, film_frames
@@ -19,7 +20,7 @@ from lappet.plates.page_ground import CLEAR, DARK, WHITE, PageGround
 from lappet.plates.painting import Painted, paint
 from lappet.plates.plate_cache import chosen_steps, open_cache
 from lappet.plates.plate_files import write_plate
-from lappet.plates.plate_font import plate_font
+from lappet.plates.plate_font import PlateFont, plate_font
 from lappet.plates.plate_page import PlatePage, checked_texts
 from lappet.plates.plate_panel import LINE, PagePanel, PanelMaker
 from lappet.plates.plate_request import PlateRequest, PlateRow
@@ -32,6 +33,7 @@ from lappet.plates.title_card import title_card
 from lappet.plates.told_labels import ToldLabels
 
 WIDTH = 150.0  # mm: a page of this width fills the picture, so that text is read from the last row
+_ONWARDS = "\N{RIGHTWARDS ARROW}"  # before the caption of a step that is on its way
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,8 @@ class FilmOptions:
         What is printed on the skin, one of `lappet.plates.printed_marks.MARKS`, or None.
     dark, transparent
         Whether the ground is dark, or left out.
+    sheet
+        The file of a contact sheet, or None.
     """
 
     style: str = "schematic"
@@ -85,6 +89,7 @@ class FilmOptions:
     marks: str | None = None
     dark: bool = False
     transparent: bool = False
+    sheet: Path | None = None
 
     @property
     def ground(self) -> PageGround:
@@ -127,13 +132,15 @@ def draw_film(
         If a file cannot be written.
     """
     check_film(path, options.size, options.transparent)
+    if options.sheet is not None:
+        check_sheet(options.sheet)
     _check(path, options)
     words, font = plate_words(options.language, options.own), plate_font(options.font, options.language)
     style = plate_style(options.style, options.tone)
     below = 1.5 + LINE * style.caption_size  # mm of the caption
     source = open_cache(cache, limits)
     steps = chosen_steps(source)
-    frames = film_frames(source.frames, steps, options.fps, options.pause)
+    frames = film_frames(source.frames, steps, options.fps, options.pause, bool(options.orbit))
     request = PlateRequest(
         (PlateRow(source, tuple(each.step for each in frames)),),
         {},
@@ -161,6 +168,8 @@ def draw_film(
             _draw(makers[number], number, frame, told, options, picture, painting)
             pictures.append((picture, frame.seconds))
             progress(total - len(frames) + number + 1, total)
+        if options.sheet is not None:
+            write_contact_sheet(_held(frames, pictures), options.sheet, font.path, options.ground)
         parts = [(begin + start, begin + end, caption(step, words)) for start, end, step in chapters(frames)]
         parts = [(0.0, begin, title), *parts] if begin else parts
         write_film(pictures, parts, title, path, options.size, options.transparent)
@@ -183,6 +192,27 @@ def caption(step: PlateStep, words: PlateWords) -> str:
         Its caption.
     """
     return words(f"step.{step.kind}", time=f"{step.time:g}")
+
+
+def film_caption(frame: FilmFrame, words: PlateWords, font: PlateFont) -> str:
+    """Say what a picture of a film shows, or what it is on the way to.
+
+    Parameters
+    ----------
+    frame
+        The picture.
+    words
+        The catalogue.
+    font
+        The font.
+
+    Returns
+    -------
+    str
+        The caption of its step, on the way to it behind an arrow where the font has one.
+    """
+    said = caption(frame.caption, words)
+    return said if frame.step == frame.caption or not font.has(_ONWARDS) else f"{_ONWARDS} {said}"
 
 
 def film_panel(maker: PanelMaker, number: int, frame: FilmFrame, told: ToldLabels) -> PagePanel:
@@ -208,7 +238,7 @@ def film_panel(maker: PanelMaker, number: int, frame: FilmFrame, told: ToldLabel
     told.riding = not held
     told.keys = set() if held else told.keys
     middle = np.array([0.5 * WIDTH, 0.5 * maker.size[1]])
-    (panel, *_) = maker.panels(number, (caption(frame.caption, maker.words),), middle, told)
+    (panel, *_) = maker.panels(number, (film_caption(frame, maker.words, maker.font),), middle, told)
     return replace(panel, letter="")  # it is alone
 
 
@@ -223,11 +253,22 @@ def _draw(
 ) -> None:
     """Draw a picture."""
     panel = film_panel(maker, number, frame, told)
-    said = caption(frame.caption, maker.words)
+    said = film_caption(frame, maker.words, maker.font)
     page = PlatePage(_page_size(options), maker.size, (panel,), said)
     dpi = 25.4 * options.size[0] / WIDTH
     svg = plate_svg(page, maker.style, maker.font, dpi, options.ground, {} if painting is None else {0: painting})
     write_plate(svg, page.size, said, maker.font, path, dpi, transparent=options.transparent)
+
+
+def _held(frames: Sequence[FilmFrame], pictures: Sequence[tuple[Path, float]]) -> list[tuple[Path, float]]:
+    """The first picture of each step, and when it is shown; `pictures` are those of the frames after a title card."""
+    found: dict[PlateStep, tuple[Path, float]] = {}
+    now = sum(seconds for _, seconds in pictures[: len(pictures) - len(frames)])
+    for frame, (picture, seconds) in zip(frames, pictures[len(pictures) - len(frames) :], strict=True):
+        if frame.step == frame.caption:
+            found.setdefault(frame.step, (picture, now))
+        now += seconds
+    return list(found.values())
 
 
 def _painted(

@@ -100,11 +100,14 @@ class DrawnPlate:
     ----------
     pictures
         Its files.
+    options
+        How it was drawn: what was wanted, with what a plate of the procedure says besides.
     notes
         What of it could not be drawn, and why.
     """
 
     pictures: tuple[Path, ...]
+    options: PlateOptions
     notes: tuple[Problem, ...] = ()
 
 
@@ -171,7 +174,8 @@ def draw_plate(
     for picture in pictures:
         write_plate(svg, page.size, page.alt, font, picture, dpi, options.profile, options.transparent)
     notes += journal.notes(font.family, tuple(pictures)) if journal is not None else []
-    return DrawnPlate(tuple(pictures), (*notes, *(note for panel in page.panels for note in panel.notes.notes)))
+    notes += [note for panel in page.panels for note in panel.notes.notes]
+    return DrawnPlate(tuple(pictures), options, tuple(notes))
 
 
 def of_plate(options: PlateOptions, plate: Plate) -> PlateOptions:

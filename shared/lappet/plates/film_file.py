@@ -14,9 +14,16 @@ from lappet.core.problem_code import ProblemCode
 SUFFIXES = (".mp4", ".webm", ".gif", ".webp", ".png")
 RATE = 24  # pictures per second of the file
 _ALPHA = (".webm", ".webp", ".png")
+# Colors as all that plays films takes them for granted in a picture of this size, and said besides.
+_MATRIX = ":out_color_matrix=bt709:out_range=tv"
+_PARAMETERS = "setparams=color_primaries=bt709:color_trc=bt709"
+_TOLD = ("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv")
 _CODECS = {
-    ".mp4": ("-c:v", "libx264", "-preset", "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
-    ".webm": ("-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-pix_fmt", "yuv420p", "-row-mt", "1"),
+    ".mp4": (
+        *("-c:v", "libx264", "-preset", "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+        *_TOLD,
+    ),
+    ".webm": ("-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-pix_fmt", "yuv420p", "-row-mt", "1", *_TOLD),
     ".gif": ("-loop", "0"),
     ".webp": ("-c:v", "libwebp", "-loop", "0", "-quality", "85"),
 }
@@ -50,7 +57,7 @@ def check_film(path: Path, size: tuple[int, int], transparent: bool = False) -> 
     if suffix not in SUFFIXES:
         raise refused(ProblemCode.FILM_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     if not path.parent.is_dir():
-        raise refused(ProblemCode.PLATE_FOLDER, path.parent)
+        raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
     if transparent and suffix not in _ALPHA:
         raise refused(ProblemCode.FILM_ALPHA, path, path.suffix, known=", ".join(_ALPHA))
     if min(size) < 240 or size[0] % 2 or size[1] % 2 or size[0] < size[1]:
@@ -101,7 +108,7 @@ def write_film(
         work = Path(folder)
         (work / "list.txt").write_text(_listed(pictures), encoding="utf-8")
         (work / "chapters.txt").write_text(_metadata(chapters, title), encoding="utf-8")
-        scale = f"scale={size[0]}:{size[1]}:flags=lanczos,fps={RATE}"
+        scale = f"scale={size[0]}:{size[1]}:flags=lanczos{_MATRIX},{_PARAMETERS},fps={RATE}"
         if suffix in (".gif", ".webp"):
             scale = f"fps=12,scale='min({_LOOP_WIDTH},{size[0]})':-2:flags=lanczos"
         if suffix == ".gif":

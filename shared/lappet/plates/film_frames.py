@@ -27,7 +27,9 @@ class FilmFrame:
     caption: PlateStep
 
 
-def film_frames(times: Sequence[float], steps: Sequence[PlateStep], fps: float, pause: float) -> list[FilmFrame]:
+def film_frames(
+    times: Sequence[float], steps: Sequence[PlateStep], fps: float, pause: float, turning: bool = False
+) -> list[FilmFrame]:
     """List the pictures of a film.
 
     Parameters
@@ -40,6 +42,8 @@ def film_frames(times: Sequence[float], steps: Sequence[PlateStep], fps: float, 
         Solved frames per second on the way from step to step.
     pause
         Seconds for which each step is held.
+    turning
+        Whether the camera goes on turning while a step is held, which is as many pictures then as on the way.
 
     Returns
     -------
@@ -52,7 +56,8 @@ def film_frames(times: Sequence[float], steps: Sequence[PlateStep], fps: float, 
         if not steps[0].time <= time <= steps[-1].time:
             continue
         if time in told:
-            found.append(FilmFrame(told[time], pause, told[time]))
+            count = max(round(pause * fps), 1) if turning else 1
+            found += [FilmFrame(told[time], pause / count, told[time])] * count
         else:
             coming = next(step for step in steps if step.time > time)
             found.append(FilmFrame(PlateStep(time, StepKind.FRAME), 1.0 / fps, coming))

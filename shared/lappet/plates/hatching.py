@@ -16,6 +16,7 @@ from lappet.plates.feature_lines import FeatureLine, LineKind
 
 _LIFT = 0.2  # mm
 _DARK = 0.55  # of full light: skin that gets less is hatched
+_BED = 0.8  # of the distance on skin: a wound is darker than all around it
 _DARKER = 0.3  # skin and bed that get less are hatched twice
 
 
@@ -49,7 +50,8 @@ def hatching(
     crossed = surface.rest @ (0.7 * across + 0.7 * along)
     lines = levels(surface, skin, plain, distance, shade - (1.0 - _DARK))
     lines += levels(surface, skin, crossed, distance, shade - (1.0 - _DARKER))
-    lines += levels(surface, bed, crossed, distance, None)
+    lines += levels(surface, bed, crossed, _BED * distance, None)
+    lines += levels(surface, bed, plain, _BED * distance, None)
     lines += levels(surface, wall, surface.depth, 0.8 * distance, None)
     return [FeatureLine(LineKind.HATCHING, line, _LIFT) for line in lines]
 

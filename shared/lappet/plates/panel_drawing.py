@@ -16,6 +16,7 @@ from lappet.plates.drawn_surface import DrawnSurface, drawn_surface
 from lappet.plates.feature_lines import FeatureLine, LineKind, surface_lines
 from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, seen_pixels
 from lappet.plates.hatching import hatching
+from lappet.plates.letter_places import Letter, LetterPlaces, place_letters
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.plate_style import PlateStyle
 from lappet.plates.printed_marks import NO_PRINT, SkinPrint
@@ -25,12 +26,10 @@ from lappet.plates.strokes import Stroke, visible_strokes
 
 _CELL = 0.5  # mm on paper
 _HATCH = 0.9  # mm on paper between two lines of hatching
-_LETTER_INSET = 3.2  # mm on paper from a corner
+_TIP_INSET = 1.6  # mm on paper from a corner: there the way of a tip begins
 _LEAST_MOVE = 0.12  # of the panel's height: shorter ways have no arrow
 _MOST_ARROWS = 4
 _TIP = np.radians(120.0)  # corners of less are tips of flaps
-_LETTER_SPACE = 2.4  # mm on paper: of letters that are nearer the first stands
-_LEAST_LETTERS = 2  # a letter alone tells nothing
 _LEAST_AREA = 6.0  # mm² on paper of an area that is named
 _SHARES = np.linspace(0.1, 0.9, 7)  # of a stroke, at which a leader may end
 _MOST_STROKES = 8  # of a kind that leaders may run to
@@ -60,22 +59,6 @@ SECTION_LABELS = {
     AreaKind.WALL_DEEP: "label.wall-deep",
     AreaKind.BONE: "section.bone",
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Letter:
-    """A corner's letter on the paper.
-
-    Parameters
-    ----------
-    text
-        The letter.
-    at
-        Its middle in mm, shape (2,).
-    """
-
-    text: str
-    at: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,11 +118,12 @@ def panel_drawing(
     size: tuple[float, float],
     style: PlateStyle,
     later: Sequence[float] = (),
-    letters: bool = True,
+    letters: LetterPlaces | None = None,
     instruments: bool = True,
     mapped: str | None = None,
     more: Sequence[FeatureLine] = (),
     skin_print: SkinPrint = NO_PRINT,
+    pulls: Sequence[NDArray[np.float64]] = (),
 ) -> PanelDrawing:
     """Draw a panel.
 
@@ -156,7 +140,7 @@ def panel_drawing(
     later
         Time codes along which arrows show where the tips of flaps go from here, ascending; none: no arrows.
     letters
-        Whether corners have letters.
+        How letters stood on the panel before; None: corners have no letters.
     instruments
         Whether hooks are drawn.
     mapped
@@ -165,6 +149,8 @@ def panel_drawing(
         Lines that are drawn besides.
     skin_print
         What is printed on the skin.
+    pulls
+        Arrows for the pull of hooks in mm on paper, each of shape (k, 2).
 
     Returns
     -------
@@ -183,14 +169,15 @@ def panel_drawing(
     strokes += visible_strokes(strands, projection, screen, smooth=False)
     quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
     pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
+    inside, arrows = clipped(strokes, size), [*_arrows(scene, time, later, projection), *pulls]
     return PanelDrawing(
         projection,
         surface,
         pixels,
         tuple(filled_areas(pixels)),
-        tuple(clipped(strokes, size)),
-        tuple(_letters(scene, time, projection, screen)) if letters else (),
-        tuple(_arrows(scene, time, later, projection)),
+        tuple(inside),
+        tuple(place_letters(scene, time, projection, screen, inside, arrows, letters)) if letters is not None else (),
+        tuple(arrows),
     )
 
 
@@ -299,27 +286,6 @@ def clipped(strokes: Sequence[Stroke], size: tuple[float, float]) -> list[Stroke
     return inside
 
 
-def _letters(scene: PlateScene, time: float, projection: Projection, screen: ScreenTriangles) -> list[Letter]:
-    """The letters of the corners whose tissue is there and seen."""
-    if len(scene.corners) < _LEAST_LETTERS:
-        return []
-    inset = _LETTER_INSET / projection.scale
-    # On whole skin a letter stands where there is most room; later on the tissue that keeps the corner.
-    whole = scene.source.epoch_at(time).name == scene.source.epochs[0].name
-    beside = [
-        corner.inset(inset, -1 if whole else kept) for corner, kept in zip(scene.corners, scene.kept, strict=True)
-    ]
-    places = scene.on_skin(np.array(beside), time)
-    known = np.isfinite(places).all(axis=1)
-    paper, depth = projection.paper(np.where(known[:, None], places, 0.0))
-    seen = known & (depth <= screen.nearest(paper)[1] + 0.5)
-    letters: list[Letter] = []
-    for k in np.flatnonzero(seen):
-        if all(np.linalg.norm(paper[k] - other.at) >= _LETTER_SPACE for other in letters):
-            letters.append(Letter(scene.corners[k].letter, paper[k]))
-    return letters if len(letters) >= _LEAST_LETTERS else []
-
-
 def _arrows(
     scene: PlateScene, time: float, later: Sequence[float], projection: Projection
 ) -> list[NDArray[np.float64]]:
@@ -331,7 +297,7 @@ def _arrows(
     ]
     if not tips or not later:
         return []
-    inset = 0.5 * _LETTER_INSET / projection.scale
+    inset = _TIP_INSET / projection.scale
     places = np.array([corner.inset(inset, kept) for corner, kept in tips])
     ways = np.stack([projection.paper(scene.on_skin(places, each))[0] for each in (time, *later)])
     found = []

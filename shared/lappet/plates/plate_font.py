@@ -100,6 +100,21 @@ class PlateFont:
         glyphs = (self._cmap.get(ord(each), ".notdef") for each in text)
         return sum(self._widths[glyph][0] for glyph in glyphs) * size / self._em
 
+    def has(self, character: str) -> bool:
+        """Tell whether it can show a character.
+
+        Parameters
+        ----------
+        character
+            The character.
+
+        Returns
+        -------
+        bool
+            Whether it has it.
+        """
+        return ord(character) in self._cmap
+
     def check(self, texts: Iterable[str]) -> None:
         """Refuse texts that the font cannot show.
 

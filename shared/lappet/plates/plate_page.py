@@ -29,6 +29,7 @@ WIDEST = 1000.0  # mm
 MOST_PANELS = 26  # as many as there are letters
 GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
+_MOST_NAMES = 12  # in a sentence
 _ASPECT, _SECTION_ASPECT = 0.75, 0.45  # height of a panel over its width
 _WALLS = ("wall.fascia", "wall.muscle", "wall.cartilage")
 _LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values(), *_WALLS)
@@ -145,7 +146,8 @@ def plate_page(request: PlateRequest, style: PlateStyle, words: PlateWords, font
         panels += own_maker.panels(k, caption, middle, told)
     own = [panel for panel in panels if panel.line is None]
     alt = words("alt.plate", count=len(own))
-    alt += "".join(" " + words("alt.panel", letter=p.letter, caption=" ".join(p.caption)) for p in own)
+    told_of = [(panel.letter, " ".join(panel.caption)) for panel in own if "".join(panel.caption)]
+    alt += "".join(" " + (words("alt.panel", letter=a, caption=said) if a else f"{said}.") for a, said in told_of)
     key = (words(f"map.{request.mapped}"), "0", top) if request.mapped else ()
     return PlatePage((request.width, float(tops[-1]) - GUTTER), maker.size, tuple(panels), alt, key, full)
 
@@ -189,7 +191,13 @@ def _check_landmarks(request: PlateRequest) -> None:
     known = {label for row in request.rows for label in row.source.named_landmarks(row.source.frames[0])}
     for label in request.landmarks:
         if label not in known:
-            raise refused(ProblemCode.PLATE_LANDMARK, "", label, known=", ".join(sorted(known)) or "none")
+            raise refused(ProblemCode.PLATE_LANDMARK, "", label, known=_listed(sorted(known)))
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Names for a sentence, which is not for reading a hundred of them."""
+    more = len(names) - _MOST_NAMES
+    return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "") if names else "none"
 
 
 def _captions(request: PlateRequest, words: PlateWords) -> list[str]:

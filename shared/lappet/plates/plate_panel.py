@@ -15,6 +15,7 @@ from lappet.plates.feature_lines import FeatureLine
 from lappet.plates.filled_areas import AreaKind
 from lappet.plates.ghost_outline import VARIANTS, ghost_areas, ghost_outline, variant_outlines
 from lappet.plates.inset_places import InsetPlace, inset_places, uncovered
+from lappet.plates.letter_places import LetterPlaces
 from lappet.plates.measures import Measure, plan_measures
 from lappet.plates.panel_camera import with_body, with_camera
 from lappet.plates.panel_drawing import (
@@ -168,7 +169,7 @@ class PanelMaker:
         step, letter = steps[k], request.letter(index)
         scene = self._scene(row, step, self.size)
         insets = request.rows[row].insets(k)
-        drawing, areas = self._drawing(scene, steps, k, insets)
+        drawing, areas = self._drawing(scene, steps, k, insets, told.letters)
         places = inset_places(len(insets), self.size, taken_places(drawing))
         drawing = uncovered(drawing, places)
         notes = self._notes(scene, steps, k, drawing)
@@ -222,7 +223,7 @@ class PanelMaker:
         if step.kind not in _PLANS:
             return []
         letters = [each.at for each in drawing.letters]
-        return plan_measures(scene.lines, scene.corners, drawing.projection, letters)
+        return plan_measures(scene.lines, scene.corners, drawing.projection, letters, scene.kept)
 
     def _variant_names(self, drawing: PanelDrawing, told: ToldLabels) -> list[tuple[str, NDArray[np.float64]]]:
         """The names of operations that are drawn over the panel's, each on the first panel that shows it."""
@@ -257,7 +258,7 @@ class PanelMaker:
             self._section(scene, step, cut, place.size)
             if cut is not None
             else panel_drawing(
-                scene, step.time, place.size, self.style, (), False, held, request.mapped, skin_print=self._print
+                scene, step.time, place.size, self.style, (), None, held, request.mapped, skin_print=self._print
             )
         )
         notes = DrawnAnnotations()
@@ -346,7 +347,12 @@ class PanelMaker:
         return section_drawing(scene, cut, projection, step.time, self.request.shows_hooks(step))
 
     def _drawing(
-        self, scene: PlateScene, steps: Sequence[PlateStep], index: int, insets: Sequence[PlateStep]
+        self,
+        scene: PlateScene,
+        steps: Sequence[PlateStep],
+        index: int,
+        insets: Sequence[PlateStep],
+        placed: LetterPlaces,
     ) -> tuple[PanelDrawing, Mapping[AreaKind, str]]:
         """The drawing of a panel and the words for its areas."""
         request, step = self.request, steps[index]
@@ -358,18 +364,19 @@ class PanelMaker:
         more = self._cut_lines(scene, steps, index, insets)
         if request.hatched:
             more += undermined_hatch(scene, step.time, _HATCH / scene.projection(self.size).scale)
+        letters = placed if request.letters else None
+        pulled = request.arrows and held and step.kind in _PULLED
+        pulls = pull_arrows(scene, step.time, scene.projection(self.size)) if pulled else []
         drawing = panel_drawing(
-            *(scene, step.time, self.size, self.style, later, request.letters, held, request.mapped, more),
+            *(scene, step.time, self.size, self.style, later, letters, held, request.mapped, more),
             skin_print=self._print,
+            pulls=pulls,
         )
         if step.ghost is not None:
             ghost = clipped(ghost_outline(scene, step.ghost, self.size), self.size)
             filled = step.panel is not None and step.panel.ghost_filled
             areas = ghost_areas(scene, step.ghost, self.size) if filled else ()
             drawing = replace(drawing, strokes=(*drawing.strokes, *ghost), ghosts=areas)
-        if request.arrows and held and step.kind in _PULLED:
-            arrows = (*drawing.arrows, *pull_arrows(scene, step.time, drawing.projection))
-            drawing = replace(drawing, arrows=arrows)
         variants = variant_outlines(scene, self.variants, request.overlaid, step, self.size)
         return replace(drawing, strokes=(*drawing.strokes, *variants)), AREA_LABELS
 

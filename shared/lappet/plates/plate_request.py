@@ -141,8 +141,10 @@ class PlateRequest:
         Returns
         -------
         str
-            Its letter; empty beyond the alphabet.
+            Its letter; empty beyond the alphabet, and where it is alone.
         """
+        if len(self.panels) == 1:
+            return ""
         letters = ascii_lowercase if self.small_letters else ascii_uppercase
         return letters[index] if index < len(letters) else ""
 

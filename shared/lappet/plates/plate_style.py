@@ -18,6 +18,7 @@ MONK = (
 )
 POINT = 25.4 / 72.0  # mm
 LEAST_TEXT, MOST_TEXT = 7.0, 24.0  # pt: what publishers print, what a panel has room for
+_DARK = 400  # sum of red, green and blue of a skin on which black lines are hardly seen
 
 
 class Shading(StrEnum):
@@ -79,6 +80,12 @@ class PlateStyle:
     text: float = LEAST_TEXT
 
     @property
+    def dark(self) -> bool:
+        """Whether black lines on its skin need a light border."""
+        skin = self.fills[AreaKind.SKIN]
+        return sum(int(skin[k : k + 2], 16) for k in (1, 3, 5)) < _DARK
+
+    @property
     def label_size(self) -> float:
         """Size of labels and measures in mm."""
         return self.text * POINT
@@ -136,6 +143,7 @@ PAINTED = frozenset(
 )
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
 _BLACK[LineKind.MARK] = _BLACK[LineKind.SKIN_LINE] = Pen(0.18, "#8a8a8a")
+_BLACK[LineKind.UNDERMINED_HATCH] = Pen(0.18, "#9a9a9a")  # recedes behind the hatching of wounds
 _EYES = {
     AreaKind.EYE: "#f7f6f3",
     AreaKind.IRIS: "#5b6b74",
@@ -154,7 +162,7 @@ _FILLS = {
     **_EYES,
 }
 _GREY = {
-    AreaKind.SKIN: "#ffffff",
+    AreaKind.SKIN: "#ebebeb",
     AreaKind.FLAP_UNDERSIDE: "#c4c4c4",
     AreaKind.BED: "#8a8a8a",
     AreaKind.WALL_SKIN: "#dadada",
@@ -174,6 +182,16 @@ STYLES = {
     "wash": PlateStyle("wash", Shading.WASH, False, _PENS, _FILLS, _BLUE),
     "painted": PlateStyle("painted", Shading.PAINTING, False, {**_PENS, **_VIOLET}, _FILLS, _BLUE),
 }
+
+
+_LIGHT_LINES = 8  # from this tone on black lines are hardly seen
+_PALE = "#f3e6da"
+
+
+def _between(one: str, other: str, share: float) -> str:
+    """A color on the way from one to another."""
+    ends = [[int(color[k : k + 2], 16) for k in (1, 3, 5)] for color in (one, other)]
+    return "#" + "".join(f"{round(a + share * (b - a)):02x}" for a, b in zip(*ends, strict=True))
 
 
 # How planned cuts are drawn.
@@ -201,7 +219,7 @@ def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT, pl
     Returns
     -------
     PlateStyle
-        The style. On dark skin plans are drawn in white.
+        The style. On dark skin plans are drawn in white, and on the darkest the edges of wounds are light too.
 
     Raises
     ------
@@ -221,5 +239,9 @@ def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT, pl
     if tone < 7:
         return replace(style, fills=fills)
     white = {kind: replace(style.pens[kind], color="#f4f6ff") for kind in _ON_SKIN}
+    quiet = _between(MONK[tone - 1], "#f4f6ff", 0.35)
+    white[LineKind.UNDERMINED_HATCH] = replace(style.pens[LineKind.UNDERMINED_HATCH], color=quiet)
+    if tone >= _LIGHT_LINES:
+        white |= {kind: replace(style.pens[kind], color=_PALE) for kind in (LineKind.WOUND_EDGE, LineKind.CONTOUR)}
     pens = {**style.pens, **white, LineKind.THREAD: replace(style.pens[LineKind.THREAD], color="#d7e3ff")}
     return replace(style, fills=fills, pens=pens)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
@@ -157,6 +158,11 @@ def _round(values: Any) -> list[float]:
     return [float(each) for each in np.round(np.asarray(values, np.float64).ravel(), _DIGITS) + 0.0]
 
 
+def _at_least(length: float) -> float:
+    """A length rounded up, so that what is as fine as print allows does not come out finer."""
+    return math.ceil(length * 10**_DIGITS - 1e-6) / 10**_DIGITS
+
+
 def _shade(groups: dict[str, drawsvg.Group], panel: PagePanel, page: PlatePage, style: PlateStyle, dpi: float) -> None:
     if page.key or style.shading is Shading.WASH:
         from PIL import Image
@@ -215,7 +221,7 @@ def _line(points: NDArray[np.float64], width: float, color: str, **more: Any) ->
         *_round(points),
         fill="none",
         stroke=color,
-        stroke_width=round(max(width, _FINE), _DIGITS),
+        stroke_width=_at_least(max(width, _FINE)),
         stroke_linecap="round",
         stroke_linejoin="round",
         **more,
@@ -229,7 +235,8 @@ def _annotate(
         _arrow(groups["arrows"], way, style.accent)
     for at in panel.notes.pivots:
         _pivot(groups["arrows"], at, style.accent)
-    for measure in panel.notes.measures:  # they may lie on dark wounds
+    # Those of the user may lie on dark wounds.
+    for measure in (*(panel.measures if style.dark else ()), *panel.notes.measures):
         if len(measure.arc):
             groups["measures"].append(_line(measure.arc, 2.0 * _FINE + 0.25, _HALO))
     for measure in (*panel.measures, *panel.notes.measures):
@@ -260,7 +267,7 @@ def _frame(group: drawsvg.Group, panel: PagePanel) -> None:
         group.append(_line(way, _FINE, _INK))
         group.append(drawsvg.Circle(*_round(way[-1]), _SITE, fill=_INK))
     group.append(drawsvg.Rectangle(*corner, *size, fill="none", stroke=_HALO, stroke_width=1.2))
-    group.append(drawsvg.Rectangle(*corner, *size, fill="none", stroke=_INK, stroke_width=round(_FINE, _DIGITS)))
+    group.append(drawsvg.Rectangle(*corner, *size, fill="none", stroke=_INK, stroke_width=_at_least(_FINE)))
 
 
 def _pivot(group: drawsvg.Group, at: NDArray[np.float64], color: str) -> None:
@@ -347,11 +354,11 @@ def _text(
         **({"font_weight": weight} if weight else {}),
     }
     place = _round((x, y))
-    words = drawsvg.Text(text, round(size, _DIGITS), *place, fill=color, **shared)
+    words = drawsvg.Text(text, _at_least(size), *place, fill=color, **shared)
     if not halo:
         return words
     group = drawsvg.Group()
     white = {"stroke": _HALO, "stroke_width": round(0.3 * size, _DIGITS), "stroke_linejoin": "round"}
-    group.append(drawsvg.Text(text, round(size, _DIGITS), *place, fill=_HALO, aria_hidden="true", **white, **shared))
+    group.append(drawsvg.Text(text, _at_least(size), *place, fill=_HALO, aria_hidden="true", **white, **shared))
     group.append(words)
     return group

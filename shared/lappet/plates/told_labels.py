@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from lappet.plates.boundary_labels import PlacedLabel
+from lappet.plates.letter_places import LetterPlaces
 
 
 @dataclass(eq=False)
@@ -23,12 +24,15 @@ class ToldLabels:
         those that none before it had.
     variants
         Names of operations drawn over the panels that a panel has had.
+    letters
+        How the letters of corners stood.
     """
 
     keys: set[str] = field(default_factory=set)
     places: dict[str, PlacedLabel] = field(default_factory=dict)
     riding: bool = False
     variants: set[str] = field(default_factory=set)
+    letters: LetterPlaces = field(default_factory=LetterPlaces)
 
     def choose(self, keys: Sequence[str]) -> list[str]:
         """Choose the labels of a panel.
