@@ -125,6 +125,7 @@ def _layer(
     for shape in shapes:
         _write_mesh(stage, shape, cache.frames, times)
     _retime_steps(stage, times)
+    _names_as_tokens(layer)
     if stage.GetPrimAtPath(INSTRUMENTS):
         add_variants(stage)
     strain = _strain(cache, times) if stage.GetPrimAtPath(f"{LOOK_ROOT}/Skin") else {}
@@ -155,6 +156,27 @@ def _flat(cache: SkinCache, rate: float, own: Any) -> Any:
     usd.UsdGeom.SetStageUpAxis(stage, usd.UsdGeom.GetStageUpAxis(own))
     root.defaultPrim = "Procedure"
     return stage.Flatten()
+
+
+def _names_as_tokens(layer: Any) -> None:
+    """Write names of things, arrays of strings in the cache, as arrays of tokens: not all readers know the others."""
+    usd = pxr()
+    types, named = usd.Sdf.ValueTypeNames, []
+
+    def find(path: Any) -> None:
+        spec = layer.GetAttributeAtPath(path) if path.IsPrimPropertyPath() else None
+        if spec is not None and spec.typeName == types.StringArray:
+            named.append(spec)
+
+    layer.Traverse("/", find)
+    for spec in named:
+        prim, name, kept = spec.owner, spec.name, {key: spec.GetInfo(key) for key in spec.ListInfoKeys()}
+        del prim.properties[name]
+        fresh = usd.Sdf.AttributeSpec(prim, name, types.TokenArray, kept.get("variability", usd.Sdf.VariabilityVarying))
+        for key in kept.keys() - {"typeName", "variability", "default", "timeSamples"}:
+            fresh.SetInfo(key, kept[key])
+        if "default" in kept:
+            fresh.default = usd.Vt.TokenArray([str(each) for each in kept["default"]])
 
 
 def _retime_steps(stage: Any, times: float) -> None:
