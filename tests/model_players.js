@@ -43,7 +43,23 @@ function drawn(scene, box) {
   scene.add(light, new THREE.AmbientLight(0xffffff, 0.8));
   scene.background = new THREE.Color(0xffffff);
   renderer.render(scene, camera);
-  return renderer.getContext().getError();
+  return { fault: renderer.getContext().getError(), ...colors(renderer) };
+}
+
+// The picture's colors: of the pixels that something covers, how many there are, and their mean in sRGB.
+function colors(renderer) {
+  const copy = new OffscreenCanvas(640, 360);
+  const pen = copy.getContext("2d");
+  pen.drawImage(renderer.domElement, 0, 0);
+  const { data } = pen.getImageData(0, 0, 640, 360);
+  const sum = [0, 0, 0];
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    if (Math.min(data[k], data[k + 1], data[k + 2]) > 250) continue;
+    count++;
+    for (let c = 0; c < 3; c++) sum[c] += data[k + c];
+  }
+  return { count, mean: sum.map((each) => each / Math.max(1, count)) };
 }
 
 const players = {
@@ -70,9 +86,20 @@ const players = {
     const root = await new USDLoader().loadAsync(file);
     const scene = new THREE.Scene();
     scene.add(root);
+    const clips = root.animations ?? [];
+    const mixer = new THREE.AnimationMixer(root);
     return {
-      animations: (root.animations ?? []).map((each) => each.name),
-      pose: () => shownByThree(root),
+      animations: clips.map((each) => each.name),
+      pose: (name, seconds) => {
+        const clip = clips.find((each) => each.name === name);
+        if (clip) {
+          const action = mixer.clipAction(clip);
+          action.setLoop(THREE.LoopOnce, 1).clampWhenFinished = true;
+          action.play();
+          mixer.setTime(seconds);
+        }
+        return shownByThree(root);
+      },
       draw: () => drawn(scene, new THREE.Box3().setFromObject(root)),
     };
   },

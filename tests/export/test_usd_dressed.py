@@ -197,8 +197,11 @@ def test_blender_plays_it_at_its_speed_with_its_picture_camera_and_lights(files:
 def test_the_loader_of_three_draws_it(files: list[Path], cache: SkinCache, tmp_path: Path) -> None:
     site = player_site(tmp_path, "usd", *files)
     done = played(site, "usd", files[0], [("", 0.0)], ("evaluate", "players.draw()"))
-    _, shown, fault = done.results
-    assert fault == 0
+    _, shown, drawn = done.results
+    assert drawn["fault"] == 0
+    red, green, blue = drawn["mean"]
+    assert red > 1.1 * green > 1.1 * blue > 60.0  # skin, lit, though without the picture on it
+    assert not [each for each in done.console if "array" in each]  # no type of array that it cannot read
     names = {name for name in shown if name.startswith("epoch")}
     assert names, sorted(shown)
     first = cache.epochs[0]

@@ -19,6 +19,7 @@ from lappet.export import usdz_file
 from lappet.export.export_request import ExportRequest
 from lappet.export.formats import export
 from lappet.geometry.closest_point import ClosestPoint
+from model_players import places, played, player_site
 
 TOLERANCE = 0.5  # mm
 STANDING = np.array([0.0, 0.0, synthetic.THICKNESS])  # from the cache to the table, mm
@@ -162,6 +163,27 @@ def test_blender_shows_every_frame_where_it_was_solved(usdz: Path, cache: SkinCa
         (hidden,) = {*EPOCHS} - {epoch.name}
         assert both_ways(seen[f"{epoch.name} {frame}"], cache.positions(epoch, time) + STANDING) < TOLERANCE
         assert np.ptp(seen[f"{hidden} {frame}"], axis=0).max() < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_the_loader_of_three_plays_every_frame_where_it_was_solved_with_its_picture(
+    usdz: Path, cache: SkinCache, tmp_path: Path
+) -> None:
+    site = player_site(tmp_path, "usd", usdz)
+    poses = [("Motion", (time - cache.frames[0]) / cache.fps) for time in cache.frames]
+    done = played(site, "usd", usdz, poses, ("evaluate", "players.draw()"))
+    assert (done.results[0], done.console) == (["Motion"], [])
+    for time, shown in zip(cache.frames, done.results[1:-1], strict=True):
+        epoch = cache.epoch_at(time)
+        (hidden,) = {*EPOCHS} - {epoch.name}
+        assert both_ways(places(shown[epoch.name]), cache.positions(epoch, time) + STANDING) < TOLERANCE
+        assert hidden not in shown or np.ptp(places(shown[hidden]), axis=0).max() < 0.1
+        assert any(each["picture"] for each in shown[epoch.name])
+    drawn = done.results[-1]
+    red, green, blue = drawn["mean"]
+    assert drawn["fault"] == 0
+    assert red > 1.1 * green > 1.1 * blue > 60.0  # skin, lit
 
 
 def test_weights_are_four_at_most_none_negative_and_together_one(usdz: Path) -> None:

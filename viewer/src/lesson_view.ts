@@ -159,6 +159,8 @@ export class LessonView {
       resting: () => !this.asked && !this.player.playing && this.picture.resting,
       /** Where a place in mm is on the page, in CSS pixels. */
       onScreen: (place: Vector, procedure = 0) => this.picture.onScreen(this.stages[procedure].placed(place), procedure),
+      /** The camera in mm: its axes (right, up, backwards) and place, column by column, and its lens in degrees. */
+      camera: (procedure = 0) => this.picture.seenFrom(this.stages[procedure]),
       time: () => this.player.time,
       length: () => this.player.timeline.length,
       epoch: (frame: number, procedure = 0) =>

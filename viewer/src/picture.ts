@@ -143,6 +143,12 @@ export class Picture {
     return [box.x + part.x + (0.5 + 0.5 * on.x) * part.width, box.y + part.y + (0.5 - 0.5 * on.y) * part.height];
   }
 
+  /** The camera as the tissue of a stage has it: a matrix of four columns, in mm, and the angle from top to bottom. */
+  seenFrom(stage: Stage): { matrix: number[]; angle: number } {
+    this.camera.updateMatrixWorld();
+    return { matrix: stage.inTissue(this.camera.matrixWorld).toArray(), angle: this.camera.fov };
+  }
+
   /** Ends the picture; nothing of it may be used afterwards. */
   dispose(): void {
     clearTimeout(this.settle);

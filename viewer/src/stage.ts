@@ -86,6 +86,11 @@ export class Stage {
     return vector(place).applyMatrix4(this.tissue.matrixWorld);
   }
 
+  /** What a matrix of the field's coordinates is in those of the cache, in mm. */
+  inTissue(matrix: THREE.Matrix4): THREE.Matrix4 {
+    return this.tissue.matrixWorld.clone().invert().multiply(matrix);
+  }
+
   /** Shows a moment: a frame's index and how far on the way to the next. */
   show(time: number, shown: Shown): void {
     const last = this.procedure.times.length - 1;

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lappet.commands.parameters import FILE, FrameList, Simplification
+from lappet.commands.parameters import FILE, FileSize, FrameList, Simplification
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.core.problem import Problem
@@ -27,6 +27,7 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option(
     "--simplify", type=Simplification(), help="Leave triangles out: how many may stay, or how far it may be off."
 )
+@click.option("--max-size", type=FileSize(), help="How large .html, .zip, .h5p, .glb or .usdz may be, such as 5MB.")
 @click.option("--quantized", is_flag=True, default=None, help="Write a smaller .glb, by whole numbers.")
 @click.option("--meshopt", is_flag=True, default=None, help="Write a much smaller .glb, compressed by meshopt.")
 @click.option(
@@ -38,6 +39,7 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--pause", type=click.FloatRange(0.0, 60.0), help="Seconds on each step of a .usdz.  [default: 1.0]")
 @click.option("--instruments/--no-instruments", default=None, help="Threads and hooks in a .usdz.  [default: with]")
 @click.option("--one-file", is_flag=True, default=None, help="Leave pictures, camera and lights of USD out.")
+@click.option("--step-files", is_flag=True, default=None, help="Write what moves of USD in a file for each step.")
 @click.option("--photo", type=FILE, help="The texture of the mesh that the tissue was made of: a look of USD.")
 @click.option(
     "--fps",

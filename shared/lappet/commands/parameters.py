@@ -114,6 +114,40 @@ class Simplification(click.ParamType):
             self.fail(f"{found.message} {found.remedy}", param, ctx)
 
 
+class FileSize(click.ParamType):
+    """How large a file may be: `5MB`, `800kB`."""
+
+    name = "XMB"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the size.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the number of bytes itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The number of bytes.
+        """
+        from lappet.core.problem import RefusedError
+        from lappet.export.size_limit import bytes_of
+
+        if isinstance(value, int):
+            return value
+        try:
+            return bytes_of(str(value))
+        except RefusedError as error:
+            (found,) = error.problems
+            self.fail(f"{found.message} {found.remedy}", param, ctx)
+
+
 class PlaneNumbers(click.ParamType):
     """A plane: a point in mm and a normal, `X,Y,Z,NX,NY,NZ`."""
 

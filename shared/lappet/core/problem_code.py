@@ -645,6 +645,11 @@ class ProblemCode(StrEnum):
     EXPORT_SIMPLIFY = auto()
     EXPORT_SIMPLIFY_TARGET = auto()
     EXPORT_SIMPLIFIED = auto()
+    EXPORT_STEP_FILES = auto()
+    EXPORT_MAX_SIZE = auto()
+    EXPORT_MAX_SIZE_FRAMES = auto()
+    EXPORT_MAX_SIZE_LEAST = auto()
+    EXPORT_MAX_SIZE_TARGET = auto()
 
     # texts/lessons.toml
     LESSON_FILE = auto()

@@ -60,7 +60,7 @@ def _usdz() -> ExportFunction:
 
 
 _STILL = frozenset({"frames", "step", "every_frame", "simplify"})
-_LESSON = frozenset({"language", "title", "frames", "simplify"})
+_LESSON = frozenset({"language", "title", "frames", "simplify", "max_size"})
 
 EXPORTERS: tuple[Exporter, ...] = (
     Exporter(
@@ -81,20 +81,20 @@ EXPORTERS: tuple[Exporter, ...] = (
         ".glb",
         "glTF for viewers in three dimensions: every frame, the steps as animations, materials",
         _glb,
-        options=frozenset({"frames", "simplify", "quantized", "meshopt"}),
+        options=frozenset({"frames", "simplify", "quantized", "meshopt", "max_size"}),
     ),
     Exporter(
         ".usdz",
         "for augmented reality: every frame by bones, at real size, with materials",
         _usdz,
-        options=frozenset({"frames", "simplify", "tolerance_mm", "bones", "pause", "instruments"}),
+        options=frozenset({"frames", "simplify", "tolerance_mm", "bones", "pause", "instruments", "max_size"}),
     ),
     *(
         Exporter(
             suffix,
             "USD without what is planned and measured, with its pictures, camera and lights beside it",
             _usd,
-            options=frozenset({"one_file", "photo", "fps"}),
+            options=frozenset({"one_file", "photo", "fps", "step_files"}),
         )
         for suffix in (".usdc", ".usda")
     ),
@@ -151,7 +151,7 @@ def export(request: ExportRequest) -> list[Path]:
     ------
     RefusedError
         If the suffix is unknown, the place cannot be written, the format does not know an option or takes fewer
-        caches, or a cache cannot be read; nothing is written then.
+        caches, a cache cannot be read, or the file would be larger than it may be; nothing is written then.
     OSError
         If a file cannot be written.
     """
@@ -161,7 +161,12 @@ def export(request: ExportRequest) -> list[Path]:
         count, most = len(request.caches), exporter.most_caches
         raise refused(ProblemCode.EXPORT_CACHES, request.target, count, most=most, suffix=exporter.suffix)
     check_options(request.target, request.options)
-    return exporter.load()(request)
+    write = exporter.load()
+    if "max_size" not in request.options:
+        return write(request)
+    from lappet.export.size_limit import write_within  # which most exports do without
+
+    return write_within(write, request)
 
 
 def check_options(target: Path, names: Iterable[str]) -> None:

@@ -32,6 +32,7 @@ from lappet.export.moving_shape import MovingShape
 from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
 from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
 from lappet.export.simplified_cache import simplified
+from lappet.export.size_limit import check_size
 from lappet.output.named_steps import operation_steps
 
 VISIBILITY, POINTER = "KHR_node_visibility", "KHR_animation_pointer"
@@ -48,7 +49,8 @@ def write_glb(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames`, `simplify`, `quantized` and `meshopt`, which is quantized too.
+        The cache, the file and the options `frames`, `simplify`, `quantized`, `meshopt`, which is quantized
+        too, and `max_size`.
 
     Returns
     -------
@@ -79,18 +81,18 @@ def write_glb(request: ExportRequest) -> list[Path]:
         raise refused(ProblemCode.EXPORT_CACHE, cache.path, reason=str(error)) from error
     quantized = packed or bool(request.options.get("quantized"))
     document = _GlbDocument(frames, cache.fps, cache.path.stem, quantized, packed)
-    if not quantized:
-        document.write(shapes, spans, request.target)
-        return [request.target]
-    target = request.target.resolve()
+    target, drift = request.target.resolve(), 0.0
     with tempfile.TemporaryDirectory(prefix=f".{target.stem}-", dir=target.parent) as folder:
         draft = Path(folder) / target.name
         document.write(shapes, spans, draft)
-        drift = glb_error(draft, shapes)
+        check_size(request, draft.stat().st_size)
+        if quantized:
+            drift = glb_error(draft, shapes)
         if drift > MOST_DRIFT:
             raise refused(ProblemCode.EXPORT_DRIFT, request.target, f"{drift:.3f}", most=MOST_DRIFT)
         replace_durably(draft, target)
-    request.note(problem(ProblemCode.EXPORT_DRIFT_FOUND, request.target, f"{drift:.4f}"))
+    if quantized:
+        request.note(problem(ProblemCode.EXPORT_DRIFT_FOUND, request.target, f"{drift:.4f}"))
     return [request.target]
 
 

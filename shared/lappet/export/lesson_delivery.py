@@ -13,6 +13,7 @@ from lappet.export.lesson_arrays import LessonArrays
 from lappet.export.lesson_file import lesson_head, shown_procedures
 from lappet.export.lesson_page import LessonBlock, lesson_page
 from lappet.export.scorm_package import scorm_package
+from lappet.export.size_limit import check_size
 from lappet.export.viewer_program import viewer_program
 
 DELIVERIES = (".html", ".zip", ".h5p")
@@ -56,7 +57,7 @@ def write_package(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The caches, the file and the options `language`, `title`, `frames` and `simplify`.
+        The caches, the file and the options `language`, `title`, `frames`, `simplify` and `max_size`.
 
     Returns
     -------
@@ -82,5 +83,7 @@ def write_package(request: ExportRequest) -> list[Path]:
         "chapters": [{**chapter, "hotspots": [], "questions": []}],
     }
     blocks = [LessonBlock(arrays.block(), arrays.size)]
-    write_whole(request.target, delivered(content, blocks, request.target.suffix.lower()))
+    package = delivered(content, blocks, request.target.suffix.lower())
+    check_size(request, len(package))
+    write_whole(request.target, package)
     return [request.target]

@@ -19,6 +19,7 @@ from lappet.export.lesson_procedure import LessonScene, lesson_procedure
 from lappet.export.lesson_skin import quantity_scales
 from lappet.export.lesson_words import lesson_words
 from lappet.export.simplified_cache import simplified
+from lappet.export.size_limit import check_size
 from lappet.export.viewer_program import viewer_program
 
 FORMAT = 1
@@ -30,7 +31,7 @@ def write_lesson(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The caches, the file and the options `language`, `title`, `frames` and `simplify`.
+        The caches, the file and the options `language`, `title`, `frames`, `simplify` and `max_size`.
 
     Returns
     -------
@@ -52,7 +53,9 @@ def write_lesson(request: ExportRequest) -> list[Path]:
         "procedures": procedures,
     }
     block = LessonBlock(arrays.block(), arrays.size)
-    write_whole(request.target, lesson_page(content, [block], program).encode())
+    page = lesson_page(content, [block], program).encode()
+    check_size(request, len(page))
+    write_whole(request.target, page)
     return [request.target]
 
 

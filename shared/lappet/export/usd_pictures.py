@@ -113,7 +113,7 @@ def picture_files(target: Path, pictures: Sequence[SkinPicture]) -> list[Path]:
     return [target.with_name(each.file) for each in pictures]
 
 
-def show_picture(stage: Any, material: str, picture: SkinPicture) -> None:
+def show_picture(stage: Any, material: str, picture: SkinPicture, folder: str = ".") -> None:
     """Let a material show a picture, in the variant that is being edited.
 
     Parameters
@@ -124,6 +124,8 @@ def show_picture(stage: Any, material: str, picture: SkinPicture) -> None:
         Name of the material.
     picture
         The picture.
+    folder
+        Where the picture lies from the layer that says so.
     """
     usd = pxr()
     shade, types, path = usd.UsdShade, usd.Sdf.ValueTypeNames, f"{LOOK_ROOT}/{material}"
@@ -139,7 +141,7 @@ def show_picture(stage: Any, material: str, picture: SkinPicture) -> None:
         place = scaled.CreateOutput("result", types.Float2)
     texture = shade.Shader.Define(stage, f"{path}/Picture")
     texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", types.Asset).Set(usd.Sdf.AssetPath(f"./{picture.file}"))
+    texture.CreateInput("file", types.Asset).Set(usd.Sdf.AssetPath(f"{folder}/{picture.file}"))
     texture.CreateInput("sourceColorSpace", types.Token).Set("sRGB")
     for axis in ("wrapS", "wrapT"):
         texture.CreateInput(axis, types.Token).Set("repeat")

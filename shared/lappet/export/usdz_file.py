@@ -25,6 +25,7 @@ from lappet.export.moving_skin import bed_shape, scenery_shapes, skin_shapes
 from lappet.export.moving_tubes import instrument_shapes, vessel_shapes
 from lappet.export.play_times import play_times
 from lappet.export.simplified_cache import fitting_triangles, simplified
+from lappet.export.size_limit import MOST_BONES, check_size
 from lappet.export.skeleton_error import SkeletonError, skeleton_error
 from lappet.export.skeleton_stage import TEXTURE, write_stage
 from lappet.export.skin_tile import write_skin_tile
@@ -33,7 +34,6 @@ from lappet.output.named_steps import operation_steps
 from lappet.usd.stage import pxr
 
 TOLERANCE = 0.5  # mm
-MOST_BONES = 200
 PAUSE = 1.0  # seconds
 MOST_VERTICES = 120_000
 MOST_BYTES = 10_000_000
@@ -45,8 +45,8 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     Parameters
     ----------
     request
-        The cache, the file and the options `frames`, `simplify`, `tolerance_mm`, `bones`, `pause` and
-        `instruments`.
+        The cache, the file and the options `frames`, `simplify`, `tolerance_mm`, `bones`, `pause`, `instruments` and
+        `max_size`.
 
     Returns
     -------
@@ -95,6 +95,7 @@ def write_usdz(request: ExportRequest) -> list[Path]:
             raise refused(
                 ProblemCode.EXPORT_BONES, request.target, most_bones, reached=found.greatest, tolerance=tolerance
             )
+        check_size(request, package.stat().st_size)
         replace_durably(package, target)
     _tell(request, found, skinned)
     return [request.target]

@@ -133,6 +133,7 @@ def write_look_variants(
     tissue: Iterable[str],
     strain: Mapping[str, Mapping[float, NDArray[np.float32]]],
     pictures: Mapping[str, Callable[[str], None]] = MappingProxyType({}),
+    strain_full: float | None = None,
 ) -> None:
     """Write the looks: `natural`, `plain` (tissue all gray) and, where strain is known, `strain`, colored by it.
 
@@ -149,6 +150,8 @@ def write_look_variants(
         is not known.
     pictures
         For the name of a look what lets a material show its picture, in the variant that is being edited.
+    strain_full
+        Strain at the top of its colors, where it is known; otherwise it is found from `strain`.
     """
     usd = pxr()
     gray = set(tissue)
@@ -168,22 +171,56 @@ def write_look_variants(
             if name in pictures:
                 pictures[name](SKIN_LOOK.name)
             if name == "strain":
-                _color_by_strain(stage, strain)
+                _color_by_strain(stage, strain, full_strain(strain) if strain_full is None else strain_full)
     variants.SetVariantSelection(looks[0])
 
 
-def _color_by_strain(stage: Any, strain: Mapping[str, Mapping[float, NDArray[np.float32]]]) -> None:
+def full_strain(strain: Mapping[str, Mapping[float, NDArray[np.float32]]]) -> float:
+    """Find the strain at the top of its colors.
+
+    Parameters
+    ----------
+    strain
+        As of `write_look_variants`.
+
+    Returns
+    -------
+    float
+        The strain.
+    """
+    return full_value(max(frame_peak(values) for own in strain.values() for values in own.values()))
+
+
+def shade_indices(strain: NDArray[np.float32], full: float) -> Any:
+    """Choose the shade of each point by its strain.
+
+    Parameters
+    ----------
+    strain
+        Strain at the points, shape (n,).
+    full
+        Strain at the top of its colors.
+
+    Returns
+    -------
+    Vt.IntArray
+        Indices of the shades, n of them.
+    """
+    shade = np.clip(np.nan_to_num(strain) / full * _SHADES, 0, _SHADES - 1).astype(np.int32)
+    return pxr().Vt.IntArray.FromNumpy(shade)
+
+
+def _color_by_strain(stage: Any, strain: Mapping[str, Mapping[float, NDArray[np.float32]]], full: float) -> None:
     """Give the skin the colors of its strain: a scale of few colors, and for each frame the indices of its points."""
     usd = pxr()
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
-    highest = full_value(max(frame_peak(values) for own in strain.values() for values in own.values()))
     palette = vectors(ramp_linear((np.arange(_SHADES) + 0.5) / _SHADES))
     for name, frames in strain.items():
         mesh = stage.GetPrimAtPath(f"{SKIN_ROOT}/{name}")
         color = usd.UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("strainColor", types.Color3fArray, tokens.vertex)
         color.Set(palette)
+        color.CreateIndicesAttr()
         for time, values in frames.items():
-            shade = np.clip(np.nan_to_num(values) / highest * _SHADES, 0, _SHADES - 1).astype(np.int32)
-            color.SetIndices(usd.Vt.IntArray.FromNumpy(shade), time)
+            color.SetIndices(shade_indices(values, full), time)
     read_color(stage, SKIN_LOOK, "strainColor")
-    stage.GetPrimAtPath(SKIN_ROOT).SetCustomDataByKey("lappet:strainFullScale", highest)
+    stage.GetPrimAtPath(SKIN_ROOT).SetCustomDataByKey("lappet:strainFullScale", full)
