@@ -103,10 +103,11 @@ def test_options_reach_the_solver(procedure: Path, solver: FakeSolver, tmp_path:
     solver.connect = lambda settings, bones: (seen.append(settings), connect(settings, bones))[1]  # type: ignore[method-assign]
     done = run(
         "solve", procedure, "--spacing", 2, "--tolerance", "1e-4", "--quadrature", 8, "--precision", "float",
-        "--store", tmp_path / "named",
+        "--self-contact", "--friction", "0.3", "--store", tmp_path / "named",
     )  # fmt: skip
     assert done.exit_code == 0, done.output
     assert (seen[0].spacing, seen[0].tolerance, seen[0].quadrature) == (2.0, 1e-4, 8)
+    assert (seen[0].self_contact, seen[0].friction) == (True, 0.3)
     assert list((tmp_path / "named").rglob("*.frame"))
     assert not (tmp_path / "store").exists()
 
@@ -197,6 +198,15 @@ def test_a_wrong_procedure_is_refused_before_the_solver_is_asked(solver: FakeSol
         done = run(command, tmp_path / "p.usda")
         assert done.exit_code == 1
         assert "/Procedure/Timeline/far" in done.stderr + done.stdout
+    assert solver.opened == 0
+
+
+def test_friction_without_self_contact_is_refused_before_the_solver_is_asked(
+    procedure: Path, solver: FakeSolver
+) -> None:
+    done = run("solve", procedure, "--friction", "0.3")
+    assert done.exit_code == 2
+    assert "--self-contact" in done.stderr
     assert solver.opened == 0
 
 

@@ -270,6 +270,16 @@ class LappetSolving(bpy.types.PropertyGroup):
         description="Keep tissue from passing through tissue. Takes longer, and frames may fail that solve without",
         default=SolverSettings.self_contact,
     )
+    friction: FloatProperty(
+        name="Friction",
+        description="Coefficient of friction where tissue presses on tissue, with self-contact; 0 is none",
+        default=SolverSettings.friction,
+        min=0.0,
+        soft_max=1.0,
+        max=9.9,
+        precision=2,
+        update=property_changed,
+    )
     error_estimate: BoolProperty(
         name="Estimate the Error",
         description="Solve once more on a lattice of twice the spacing, to tell how far the skin may be off and where",

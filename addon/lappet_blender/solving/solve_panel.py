@@ -64,7 +64,12 @@ class LAPPET_PT_solve_settings(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = with_fields(self.layout)
         solving = context.scene.lappet.solving
-        for name in ("tolerance", "precision", "quadrature", "self_contact", "error_estimate", "threads"):
+        for name in ("tolerance", "precision", "quadrature", "self_contact"):
+            layout.prop(solving, name)
+        row = layout.row()
+        row.enabled = solving.self_contact
+        row.prop(solving, "friction")
+        for name in ("error_estimate", "threads"):
             layout.prop(solving, name)
         row = layout.row()
         row.enabled = bool(bpy.data.filepath) or solving.beside_file

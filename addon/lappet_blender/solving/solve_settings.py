@@ -23,6 +23,7 @@ def solve_settings(scene: bpy.types.Scene) -> SolverSettings:
         quadrature=int(solving.quadrature),
         precision=solving.precision,
         self_contact=solving.self_contact,
+        friction=decimal(solving.friction) if solving.self_contact else 0.0,
         threads=solving.threads,
         correction=solving.error_estimate,  # which the estimate needs, and so asks for it
     )

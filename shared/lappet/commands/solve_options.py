@@ -66,7 +66,10 @@ def setting_options(command: Callable[..., Any]) -> Callable[..., Any]:
             for item, option in options()
             if (value := given.pop(item.name)) is not None
         }
-        return command(*arguments, settings=SolverSettings(**chosen), **given)
+        settings = SolverSettings(**chosen)
+        if settings.friction and not settings.self_contact:
+            raise click.UsageError("--friction acts where tissue presses on tissue; give --self-contact too.")
+        return command(*arguments, settings=settings, **given)
 
     for item, option in reversed(list(options())):
         with_settings = _setting_option(item, option)(with_settings)
@@ -104,7 +107,7 @@ def _setting_option(item: Field[Any], option: Option) -> Callable[..., Any]:
         kind: click.ParamType = click.Choice([str(each) for each in option.choices])
         default = str(default)
     else:
-        ends = {"min": option.above, "max": option.below}
+        ends = {"min": option.least if option.above is None else option.above, "max": option.below}
         open_ends = {"min_open": option.above is not None, "max_open": option.below is not None}
         kind = (click.IntRange if isinstance(default, int) else click.FloatRange)(**ends, **open_ends)  # type: ignore[arg-type]
     shown = default if option.shown else None

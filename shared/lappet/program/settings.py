@@ -21,6 +21,8 @@ class Option:
         What the option says.
     above
         Lower end of its range, open.
+    least
+        Lower end of its range, closed, where it has no open one.
     below
         Upper end of its range, open.
     choices
@@ -35,6 +37,7 @@ class Option:
 
     help: str
     above: int | None = None
+    least: int | None = None
     below: int | None = None
     choices: tuple[Any, ...] = ()
     flags: str = ""
@@ -151,6 +154,8 @@ class SolverSettings:
         Whether unstable equilibria are looked for and left.
     self_contact
         Whether the surface is kept from passing through itself.
+    friction
+        Coulomb's coefficient of friction where the surface presses on itself, with self-contact; 0 for none.
     region
         Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
     origin
@@ -188,6 +193,12 @@ class SolverSettings:
     strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
     stability: bool = setting(True, option=Option("Look for unstable equilibria, and leave them for stable ones."))
     self_contact: bool = setting(False, option=Option("Keep tissue from passing through tissue."))
+    friction: float = setting(
+        0.0,
+        option=Option(
+            "Coefficient of friction where tissue presses on tissue, with --self-contact.", least=0, below=10
+        ),
+    )
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(

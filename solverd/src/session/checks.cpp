@@ -24,6 +24,7 @@ constexpr std::int32_t kMaxBoneBodies = 1024;
 // A thread couples all that it holds with itself.
 constexpr std::size_t kMaxInnerBites = 254;
 constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
+constexpr double kMaxFriction = 10.0;
 constexpr double kMaxFiberSlack = 4.0, kMaxFiberAngle = 90.0, kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
 
 template <class... Arguments>
@@ -253,6 +254,11 @@ void check_settings(const SessionSettings& s) {
           "the tolerance {} is below what float reaches (1e-5); use precision 'double'", s.tolerance);
   require(std::isfinite(s.gap_tolerance) && s.gap_tolerance > 0, "the gap tolerance is {}; it must be positive",
           s.gap_tolerance);
+  require(std::isfinite(s.friction) && s.friction >= 0 && s.friction <= kMaxFriction,
+          "the coefficient of friction is {}; it must be 0 to {:g}", s.friction, kMaxFriction);
+  require(s.friction == 0 || s.self_contact,
+          "the coefficient of friction is {} without self-contact; turn self-contact on, or leave friction out",
+          s.friction);
   require(s.region == "auto" || s.region == "whole", "the region is '{}'; give 'auto' or 'whole'", s.region);
   require(s.preconditioner == "twoLevel" || s.preconditioner == "chebyshev",
           "the preconditioner is '{}'; give 'twoLevel' or 'chebyshev'", s.preconditioner);

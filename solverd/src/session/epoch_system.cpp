@@ -66,8 +66,8 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
       constraints(settings, lattice, surface, walls, loaded, system) {
   if (bones) system.set_contact(contact_with_bones(*bones, lattice, epoch, settings, interrupt));
   if (settings.self_contact)
-    system.set_self_contact(
-        std::make_unique<SelfContact>(lattice, surface, settings.materials[0].youngs_modulus, interrupt));
+    system.set_self_contact(std::make_unique<SelfContact>(lattice, surface, settings.materials[0].youngs_modulus,
+                                                          settings.friction, interrupt));
   if (settings.preconditioner == "chebyshev") preconditioner.smoother_only();
   for (std::size_t k = 0; k < epoch.landmarks.size(); ++k) {
     interrupt.check();

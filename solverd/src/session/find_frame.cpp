@@ -288,6 +288,8 @@ class FrameSearch {
       epoch_.constraints.apply(frame_, found_.state);
       begin_self_contact(before_.u);
       evaluate();
+      SelfContact* contact = epoch_.system.self_contact();
+      if (contact && contact->look_for_friction(outcome.at.self_contact)) evaluate();
     }
   }
 

@@ -39,6 +39,7 @@ struct SessionSettings {
   bool strain = true;           // frames carry strain, stress and tension on the surface
   bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
   bool self_contact = false;    // tissue does not pass through tissue (force/self_contact/self_contact.h)
+  double friction = 0.0;        // Coulomb's, where it presses on itself (force/self_contact/contact_friction.h)
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -78,6 +79,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit.optional("strain", settings.strain);
   visit.optional("stability", settings.stability);
   visit.optional("self_contact", settings.self_contact);
+  visit.optional("friction", settings.friction);
 }
 
 struct EpochInput {

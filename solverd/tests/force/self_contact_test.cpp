@@ -144,7 +144,7 @@ TEST(SelfContact, AVertexThatFallsOnAFaceGoesMostOfTheWay) {
 // Two boxes with surfaces of different triangles, one over the other, and displacements of theirs.
 class TwoBoxes {
  public:
-  explicit TwoBoxes(double gap, bool turned = false, double edge = 0.5)
+  explicit TwoBoxes(double gap, bool turned = false, double edge = 0.5, double friction = 0.0)
       : surface_(grid_box({0, 0, 0}, {4, 4, 2}, 1.0)) {
     Surface upper = grid_box({0, 0, 2 + gap}, {4, 4, 4 + gap}, edge);
     if (turned)
@@ -152,7 +152,7 @@ class TwoBoxes {
     append(surface_, upper);
     first_of_upper_ = to_index(grid_box({0, 0, 0}, {4, 4, 2}, 1.0).points.size());
     lattice_ = build_lattice(surface_, {});
-    contact_ = std::make_unique<SelfContact>(lattice_, surface_, 50.0);
+    contact_ = std::make_unique<SelfContact>(lattice_, surface_, 50.0, friction);
     u_.assign(3 * lattice_.node_rest.size(), 0.0);
   }
   // Moves the nodes of the upper box, and all of them at random.
@@ -243,7 +243,7 @@ TEST(SelfContact, TheTangentOfFlatSurfacesIsThatOfTheGradient) {
   boxes.move(Vec3(0, 0, -0.37));
   const SelfContactState state = boxes.evaluate();
   ASSERT_TRUE(state.touches());
-  const SparseRows rows = boxes.contact().rows(state.pairs), negative = boxes.contact().negative_rows(state.pairs);
+  const SparseRows rows = boxes.contact().rows(state), negative = boxes.contact().negative_rows(state.pairs);
   ASSERT_GE(rows.count(), state.pairs.size());
   ASSERT_LE(rows.count(), 3 * state.pairs.size());
   std::vector<double> way(boxes.u().size());
@@ -265,6 +265,66 @@ TEST(SelfContact, TheTangentOfFlatSurfacesIsThatOfTheGradient) {
     size = std::max(size, std::abs(product[3 * n + 2]));
   }
   EXPECT_LT(off, 1e-3 * size);
+}
+
+// Half of the surface has slid by less than makes friction whole, half by more.
+TEST(SelfContact, FrictionHasAnEnergyAGradientAndATangentThatAgree) {
+  const double friction = 0.4, slide = 2e-3, step = 1e-8;
+  TwoBoxes with(0.4, true, 0.7, friction), without(0.4, true, 0.7);
+  SelfContactState rubbing, pressed;
+  for (TwoBoxes* boxes : {&with, &without}) {
+    boxes->move(Vec3(0.13, 0.07, -0.385), 0.004);
+    boxes->contact().begin<double>(boxes->u());
+    EXPECT_EQ(boxes->contact().look_for_friction(boxes->evaluate()), boxes == &with);
+    for (std::size_t n = 0; n < boxes->u().size() / 3; ++n) {
+      boxes->u()[3 * n] += 1.2 * slide * std::sin(double(n));
+      boxes->u()[3 * n + 1] += 0.7 * slide * std::cos(3.0 * double(n));
+    }
+  }
+  const auto evaluate = [&] {
+    rubbing = with.evaluate();
+    pressed = without.evaluate();
+    std::vector<double> gradient = with.gradient();
+    for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] -= without.gradient()[i];
+    return gradient;
+  };
+  const std::vector<double> gradient = evaluate();
+  ASSERT_FALSE(rubbing.sliding.empty());
+  ASSERT_TRUE(pressed.sliding.empty());
+  int held = 0;
+  for (const SlidingPair& pair : rubbing.sliding) held += pair.roots[0].squaredNorm() > 0.0;
+  EXPECT_GT(held, 10);
+  EXPECT_LT(held, int(rubbing.sliding.size()) - 10);
+  const auto product_of = [&](const SparseRows& rows, const std::vector<double>& way) {
+    std::vector<double> product(way.size(), 0.0);
+    add_product(rows, 1.0, way, product);
+    return product;
+  };
+  Random random;
+  const std::vector<double> from = with.u();
+  for (int trial = 0; trial < 5; ++trial) {
+    std::vector<double> way(from.size());
+    for (double& w : way) w = random.number(-1, 1);
+    const auto at = [&](double share) {
+      for (std::size_t i = 0; i < way.size(); ++i) with.u()[i] = without.u()[i] = from[i] + share * way[i];
+      std::vector<double> found = evaluate();
+      return std::pair(rubbing.energy - pressed.energy, found);
+    };
+    const auto above = at(step), below = at(-step);
+    at(0.0);
+    std::vector<double> product = product_of(with.contact().rows(rubbing), way);
+    const std::vector<double> of_pressure = product_of(without.contact().rows(pressed), way);
+    double slope = 0.0, size = 0.0, off = 0.0, largest = 0.0;
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      slope += gradient[i] * way[i];
+      size += std::abs(gradient[i] * way[i]);
+      product[i] -= of_pressure[i];
+      off = std::max(off, std::abs(product[i] - (above.second[i] - below.second[i]) / (2 * step)));
+      largest = std::max(largest, std::abs(product[i]));
+    }
+    EXPECT_NEAR(slope, (above.first - below.first) / (2 * step), 1e-4 * size) << trial;
+    EXPECT_LT(off, 1e-3 * largest) << trial;
+  }
 }
 
 // Whatever the triangles: what is over a face, an edge or a corner of the other surface is pushed alike.

@@ -79,6 +79,73 @@ TEST(SelfContactSession, TwoBlocksPressedTogetherBearTheForceOfTheirShortening) 
   }
 }
 
+// A block is pressed on a larger one, carried aside and back: it sticks while shear is less than Coulomb's law allows,
+// slides at what that allows, and sticks again on the way back.
+TEST(SelfContactSession, ABlockSticksUntilFrictionIsOvercomeAndThenSlidesAtCoulombsForce) {
+  SessionSettings s = with_contact(1);
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
+  s.precision = "double";
+  const double gap = 0.3, push = 0.45;
+  Surface surface = grid_box({0, 0, 0}, {12, 8, 3}, 1.0);
+  const std::size_t first_of_upper = surface.points.size();
+  append(surface, grid_box({4, 2, 3 + gap}, {8, 6, 6 + gap}, 0.8));
+  const auto vertex_at = [&](const Vec3& at, std::size_t from, std::size_t to) {
+    std::size_t nearest = from;
+    for (std::size_t v = from; v < to; ++v)
+      if ((surface.points[v] - at).norm() < (surface.points[nearest] - at).norm()) nearest = v;
+    return nearest;
+  };
+  const std::size_t below = vertex_at({6, 4, 3}, 0, first_of_upper),
+                    above = vertex_at({6, 4, 3 + gap}, first_of_upper, surface.points.size());
+  struct Found {
+    double shear, pressure, apart;
+  };
+  const auto carried = [&](double friction, const std::vector<double>& ways) {
+    s.friction = friction;
+    Session session(s);
+    session.set_epoch(make_epoch(
+        surface, [](const Vec3& c) { return c[2] < 1e-9; },
+        [&](const Vec3& c) { return c[2] > 6 + gap - 1e-9 ? 0 : -1; }));
+    std::vector<Found> result;
+    for (const double way : ways) {
+      FrameInput frame = pulled({Vec3(way, 0, -push)});
+      frame.time = double(result.size() + 1);
+      const FrameOutput out = session.solve(frame, {}, kNever);
+      EXPECT_TRUE(out.converged) << way << ": " << out.failure.message;
+      EXPECT_EQ(out.piercings, 0);
+      const Vec3 held = reaction(out, Holder::Kind::kFixed);
+      result.push_back({-held[0], held[2], point(out, above)[0] - point(out, below)[0]});
+    }
+    return result;
+  };
+  const std::vector<double> ways{0.0, 0.05, 0.1, 1.0, 1.4, 1.35};
+  const double friction = 0.3, creep = 2e-3 * s.spacing;
+  const std::vector<Found> found = carried(friction, ways), smooth = carried(0.0, ways);
+  for (const std::size_t k : {1UL, 2UL}) {  // it holds
+    EXPECT_NEAR(found[k].apart, found[k - 1].apart, creep) << ways[k];
+    EXPECT_LT(found[k].shear, friction * found[k].pressure) << ways[k];
+    EXPECT_GT(found[k].shear, 5.0 * std::abs(smooth[k].shear)) << ways[k];
+  }
+  EXPECT_NEAR(found[2].shear, 2.0 * found[1].shear, 0.1 * found[2].shear);
+  for (const std::size_t k : {3UL, 4UL}) {  // it slides
+    EXPECT_NEAR(found[k].shear, friction * found[k].pressure, 0.03 * found[k].shear) << ways[k];
+    EXPECT_GT(found[k].apart, found[k - 1].apart + 50.0 * creep) << ways[k];
+  }
+  EXPECT_NEAR(found[5].apart, found[4].apart, 2.0 * creep);  // and holds, once it has crept back
+  EXPECT_LT(found[5].shear, 0.8 * found[4].shear);
+  for (std::size_t k = 0; k < ways.size(); ++k) EXPECT_NEAR(smooth[k].shear, 0.0, 0.01 * smooth[k].pressure) << ways[k];
+}
+
+TEST(SelfContactSession, FrictionWithoutSelfContactIsRefused) {
+  SessionSettings s = with_contact(1, false);
+  s.friction = 0.3;
+  EXPECT_ANY_THROW(Session{s});
+  s.self_contact = true;
+  s.friction = -0.1;
+  EXPECT_ANY_THROW(Session{s});
+}
+
 // Turned over, its end comes down on its own middle, whose underside is held, and presses on it.
 TEST(SelfContactSession, AStripThatIsFoldedOntoItselfNeverPassesThroughItself) {
   const Surface strip = grid_box({0, 0, 0}, {30, 4, 2}, 1.0);

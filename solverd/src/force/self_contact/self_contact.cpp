@@ -19,6 +19,8 @@ constexpr double kSlack = 0.05;
 // Of the barrier, in Young's moduli: surfaces at half of the reach press on each other with 1.2 of them. Softer, a
 // corner bears its load at a thousandth of the reach only, where a Newton step leads nowhere.
 constexpr double kStiffness = 1.0;
+// Spacings by which what holds creeps at most.
+constexpr double kSlide = 2e-3;
 
 double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
 
@@ -49,10 +51,12 @@ double least_share(std::size_t count, double most, const Body& body) {
 
 }  // namespace
 
-SelfContact::SelfContact(const Lattice& lattice, const Surface& surface, double modulus, const Interrupt& interrupt)
+SelfContact::SelfContact(const Lattice& lattice, const Surface& surface, double modulus, double friction,
+                         const Interrupt& interrupt)
     : surface_(lattice, surface, reach_at(lattice.settings.spacing), interrupt),
       candidates_(surface_, kSlack * lattice.settings.spacing),
-      stiffness_(kStiffness * modulus) {}
+      stiffness_(kStiffness * modulus),
+      friction_(friction, kSlide * lattice.settings.spacing) {}
 
 template <class Real>
 std::size_t SelfContact::count_piercings(std::span<const Real> u) {
@@ -63,6 +67,7 @@ std::size_t SelfContact::count_piercings(std::span<const Real> u) {
 template <class Real>
 std::size_t SelfContact::begin(std::span<const Real> u) {
   surface_.positions(u, places_);
+  if (friction_.acts()) friction_.begin(places_);
   const std::vector<Piercing>& piercings = candidates_.piercings(places_);
   return piercings.size() + candidates_.leave_out(piercings, places_);
 }
@@ -82,26 +87,44 @@ void SelfContact::evaluate(std::span<const Real> u, std::span<double> gradient, 
   state.energy = 0.0;
   for (const TouchingPair& pair : state.pairs) state.energy += pair.energy;
   add_gradient(state.pairs, gradient);
+  state.sliding.clear();
+  if (!friction_.acts()) return;
+  state.sliding = friction_.sliding(places_);
+  for (const SlidingPair& pair : state.sliding) {
+    state.energy += pair.energy;
+    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k)
+      add_force(pair.vertices[k], pair.weights[k] * pair.slope, gradient);
+  }
+}
+
+bool SelfContact::look_for_friction(const SelfContactState& state) {
+  if (friction_.acts()) friction_.look(state.pairs);
+  return friction_.acts();
 }
 
 void SelfContact::add_gradient(std::span<const TouchingPair> pairs, std::span<double> gradient) const {
   for (const TouchingPair& pair : pairs)
-    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
-      const EmbeddedPoint& point = surface_.embedded(pair.vertices[k]);
-      const auto& nodes = surface_.lattice().cell_nodes[point.cell];
-      const Vec3 of_vertex = pair.gradient(k);
-      for (std::size_t n = 0; n < 8; ++n)
-        for (int i = 0; i < 3; ++i) gradient[offset_of(3, nodes[n]) + i] += point.weights[n] * of_vertex[i];
-    }
+    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k)
+      add_force(pair.vertices[k], pair.gradient(k), gradient);
 }
 
-SparseRows SelfContact::rows(std::span<const TouchingPair> pairs) const {
+void SelfContact::add_force(Index vertex, const Vec3& force, std::span<double> gradient) const {
+  const EmbeddedPoint& point = surface_.embedded(vertex);
+  const auto& nodes = surface_.lattice().cell_nodes[point.cell];
+  for (std::size_t n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i) gradient[offset_of(3, nodes[n]) + i] += point.weights[n] * force[i];
+}
+
+SparseRows SelfContact::rows(const SelfContactState& state) const {
+  const auto& pairs = state.pairs;
   std::vector<std::vector<TangentRow>> of_pair(pairs.size());
   for_each_row(pairs.size(), [&](std::size_t p) { of_pair[p] = definite_rows(pairs[p]); });
   SparseRows result;
-  for (std::size_t p = 0; p < pairs.size(); ++p) add_row(pairs[p], of_pair[p].front(), result);
+  for (std::size_t p = 0; p < pairs.size(); ++p) add_row(pairs[p].vertices, of_pair[p].front(), result);
   for (std::size_t p = 0; p < pairs.size(); ++p)
-    for (std::size_t k = 1; k < of_pair[p].size(); ++k) add_row(pairs[p], of_pair[p][k], result);
+    for (std::size_t k = 1; k < of_pair[p].size(); ++k) add_row(pairs[p].vertices, of_pair[p][k], result);
+  for (const SlidingPair& pair : state.sliding)
+    for (const TangentRow& row : rows_of(pair)) add_row(pair.vertices, row, result);
   return result;
 }
 
@@ -110,15 +133,15 @@ SparseRows SelfContact::negative_rows(std::span<const TouchingPair> pairs) const
   for_each_row(pairs.size(), [&](std::size_t p) { of_pair[p] = lappet::negative_rows(pairs[p]); });
   SparseRows result;
   for (std::size_t p = 0; p < pairs.size(); ++p)
-    for (const TangentRow& row : of_pair[p]) add_row(pairs[p], row, result);
+    for (const TangentRow& row : of_pair[p]) add_row(pairs[p].vertices, row, result);
   return result;
 }
 
-void SelfContact::add_row(const TouchingPair& pair, const TangentRow& row, SparseRows& to) const {
+void SelfContact::add_row(const std::array<Index, 4>& vertices, const TangentRow& row, SparseRows& to) const {
   const auto first = static_cast<std::ptrdiff_t>(to.nodes.size());
-  for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k) {
+  for (std::size_t k = 0; k < 4 && vertices[k] >= 0; ++k) {
     if (row[k].isZero(0.0)) continue;
-    const EmbeddedPoint& point = surface_.embedded(pair.vertices[k]);
+    const EmbeddedPoint& point = surface_.embedded(vertices[k]);
     for (std::size_t n = 0; n < 8; ++n) {
       if (point.weights[n] == 0.0) continue;
       const Vec3 factor = point.weights[n] * row[k];

@@ -1,13 +1,14 @@
-// Contact of the tissue's surface with itself, without friction: a barrier between vertices and faces and between edges
-// (contact_pairs.h, barrier.h), and the largest step that takes nothing through anything (continuous_collision.h). A
-// state whose surface does not go through itself stays so; where a search begins with one that does, the pairs at those
-// places are left out and counted.
+// Contact of the tissue's surface with itself: a barrier between vertices and faces and between edges
+// (contact_pairs.h, barrier.h), friction if there is any (contact_friction.h), and the largest step that takes nothing
+// through anything (continuous_collision.h). A state whose surface does not go through itself stays so; where a search
+// begins with one that does, the pairs at those places are left out and counted.
 #pragma once
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "force/constraints/sparse_rows.h"
+#include "force/self_contact/contact_friction.h"
 #include "force/self_contact/contact_tangent.h"
 
 namespace lappet {
@@ -15,6 +16,7 @@ namespace lappet {
 // What the surface does to itself in a state of displacements.
 struct SelfContactState {
   std::vector<TouchingPair> pairs;
+  std::vector<SlidingPair> sliding;
   double energy = 0.0;  // mN mm
 
   bool touches() const { return !pairs.empty(); }
@@ -22,8 +24,10 @@ struct SelfContactState {
 
 class SelfContact {
  public:
-  // modulus: Young's, of the tissue, kPa. Keeps a reference to the lattice, not to the surface.
-  SelfContact(const Lattice& lattice, const Surface& surface, double modulus, const Interrupt& interrupt = {});
+  // modulus: Young's, of the tissue, kPa; friction: Coulomb's coefficient. Keeps a reference to the lattice, not to the
+  // surface.
+  SelfContact(const Lattice& lattice, const Surface& surface, double modulus, double friction = 0.0,
+              const Interrupt& interrupt = {});
   SelfContact(const SelfContact&) = delete;
   SelfContact& operator=(const SelfContact&) = delete;
 
@@ -31,7 +35,7 @@ class SelfContact {
   template <class Real>
   std::size_t count_piercings(std::span<const Real> u);
   // Leaves out the pairs at these places from now on, and those that lie on each other, but no others. Returns how many
-  // such places there are.
+  // such places there are. Friction counts slides from here on.
   template <class Real>
   std::size_t begin(std::span<const Real> u);
 
@@ -42,8 +46,12 @@ class SelfContact {
   // Adds the gradient of the energy (3 per node). The same for any number of threads.
   template <class Real>
   void evaluate(std::span<const Real> u, std::span<double> gradient, SelfContactState& state);
-  // The definite part of the tangent of pairs: first one row for each pair, then the others (contact_tangent.h).
-  SparseRows rows(std::span<const TouchingPair> pairs) const;
+  // What presses at a state rubs with that force from now on; false where there is no friction.
+  bool look_for_friction(const SelfContactState& state);
+  // What presses rubs with a share of its force, and with the rest what did at the looks before.
+  void mix_friction(double share) { friction_.mix_with_looks_before(share); }
+  // The definite part of the tangent at a state: first one row for each pair, then the others (contact_tangent.h).
+  SparseRows rows(const SelfContactState& state) const;
   // By what the exact tangent is less.
   SparseRows negative_rows(std::span<const TouchingPair> pairs) const;
   // Adds the gradient of their energy (3 per node).
@@ -69,7 +77,8 @@ class SelfContact {
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
 
  private:
-  void add_row(const TouchingPair& pair, const TangentRow& row, SparseRows& to) const;
+  void add_row(const std::array<Index, 4>& vertices, const TangentRow& row, SparseRows& to) const;
+  void add_force(Index vertex, const Vec3& force, std::span<double> gradient) const;
   // Writes where a step begins and goes, and finds the candidates for it.
   template <class Real>
   void cover(std::span<const Real> u, std::span<const Real> step, double most);
@@ -77,6 +86,7 @@ class SelfContact {
   ContactSurface surface_;
   ContactCandidates candidates_;
   double stiffness_;
+  ContactFriction friction_;
   std::vector<Vec3> places_, ways_;  // to write in
 };
 

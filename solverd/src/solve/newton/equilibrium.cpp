@@ -59,6 +59,7 @@ constexpr double kShareOfNeighborhood = 0.5;
 // Share of the retractors' way; so many steps in a row that something keeps shorter end a search.
 constexpr double kBlockedStep = 0.01;
 constexpr int kMaxBlocked = 8;
+constexpr int kFreeLooks = 2;       // of friction: what does not settle then goes to and fro
 constexpr double kNoForce = 1e-20;  // residual over force scale that cannot be told from none
 constexpr double kClose = 10.0;     // tolerances of the residual from which a Newton step tells of the next one
 
@@ -101,6 +102,7 @@ class EquilibriumSearch {
  private:
   void search() {
     evaluate();
+    (void)rubs_otherwise();
     if (now_.self_contact.touches()) system_.leave_closed(u_, multipliers_);
     go_on_moving();
     while (true) {
@@ -164,6 +166,21 @@ class EquilibriumSearch {
   double gap_of(typename System<Real>::Gaps which) const {
     return now_.self_contact.touches() ? system_.largest_gap(u_, multipliers_, now_, which) : outcome_.gap;
   }
+  // Friction goes by what pressed at the last look. True where forces no longer balance with what presses now.
+  bool rubs_otherwise() {
+    if (!system_.self_contact() || looked_at_ == outcome_.newton_iterations) return false;
+    looked_at_ = outcome_.newton_iterations;
+    if (!system_.self_contact()->look_for_friction(now_.self_contact)) return false;
+    evaluate();
+    record();
+    if (outcome_.residual <= options_.tolerance) return false;
+    if (++looks_ > kFreeLooks) {
+      system_.self_contact()->mix_friction(1.0 / (looks_ - kFreeLooks + 1));
+      evaluate();
+      record();
+    }
+    return true;
+  }
   void fail(FailureCode code, std::string message) { outcome_.failure = {code, std::move(message)}; }
 
   void fail_open() {
@@ -194,8 +211,10 @@ class EquilibriumSearch {
       const auto action = augmented_lagrangian_.next(outcome_.residual, gap_of(System<Real>::Gaps::kOpen),
                                                      gap_of(System<Real>::Gaps::kButWalls));
       switch (action) {
-        case AugmentedLagrangian::Action::kIterate:
         case AugmentedLagrangian::Action::kConverged:
+          if (rubs_otherwise()) continue;
+          return action;
+        case AugmentedLagrangian::Action::kIterate:
           return action;
         case AugmentedLagrangian::Action::kGiveUp:
           if (system_.contact() && now_.contact.excess > options_.gap_tolerance)
@@ -522,6 +541,8 @@ class EquilibriumSearch {
   bool bent_ = false;               // the energy did not fall as predicted in the last step
   bool cut_ = false;                // the line search made the last step shorter
   bool exact_failed_ = false;       // no step along its direction lowered the energy
+  int looks_ = 0;                   // of friction, after which forces did not balance
+  int looked_at_ = -1;              // the iteration at which friction looked
   int straight_ = 0;                // steps that were cut and stay straight
   int blocked_ = 0;                 // steps in a row in which hardly anything was carried
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever

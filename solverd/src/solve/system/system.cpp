@@ -223,7 +223,7 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how, PsdProject
   contact_penalties_ = at.contact_penalties;
   SparseRows taken_off;
   if (self_contact_) {  // without pairs while it is suspended
-    self_contact_rows_ = self_contact_->rows(at.self_contact.pairs);
+    self_contact_rows_ = self_contact_->rows(at.self_contact);
     self_contact_places_ = self_contact_->places(at.self_contact.pairs);
     if (contact == PsdProjection::kExact) taken_off = self_contact_->negative_rows(at.self_contact.pairs);
   }
