@@ -10,7 +10,7 @@ from lappet.drawing.framing import Viewpoint
 from lappet.plates.feature_lines import FeatureLine, LineKind
 from lappet.plates.projection import Projection
 from lappet.plates.screen_triangles import ScreenTriangles
-from lappet.plates.strokes import visible_strokes
+from lappet.plates.strokes import sampled, visible_strokes
 
 FAR = 1000.0
 VIEW = Projection(Viewpoint(np.array([0.0, 0.0, FAR]), np.eye(3), FAR), (60.0, 45.0), 0.03)  # 1 mm is 1 mm
@@ -62,3 +62,11 @@ def test_of_two_walls_the_nearer_is_seen_everywhere() -> None:
     found, depth = screen.nearest(places)
     assert set(found) <= {2, 3}
     assert depth == pytest.approx(FAR - 3.0, abs=1e-6)
+
+
+def test_a_line_is_sampled_at_even_distances_and_one_without_length_is_a_point() -> None:
+    course = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0]])
+    points = sampled(course, 0.5)
+    np.testing.assert_allclose(np.linalg.norm(np.diff(points, axis=0), axis=1), 0.5)
+    np.testing.assert_allclose(points[[0, -1]], course[[0, -1]])
+    np.testing.assert_allclose(sampled(np.array([[2.0, 5.0], [2.0, 5.0]]), 0.5), [[2.0, 5.0]])

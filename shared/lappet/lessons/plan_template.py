@@ -74,7 +74,7 @@ def _path(cache: Path, target: Path) -> str:
 
 def _chapter(title: str, path: str, shown: LessonScene) -> list[str]:
     captions = plate_words("en").texts
-    steps = [captions[f"step.{each.kind}"].format(time=f"{each.time:g}") for each in shown.steps]
+    steps = [captions[each.key].format(time=f"{each.time:g}") for each in shown.steps]
     places = LessonPlaces(shown)
     by_kind = {kind: [str(each) for each in places if each.kind == kind] for kind in KINDS}
     first = next((names[0] for names in by_kind.values() if names), None)

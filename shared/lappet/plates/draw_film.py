@@ -191,7 +191,7 @@ def caption(step: PlateStep, words: PlateWords) -> str:
     str
         Its caption.
     """
-    return words(f"step.{step.kind}", time=f"{step.time:g}")
+    return words(step.key, time=f"{step.time:g}")
 
 
 def film_caption(frame: FilmFrame, words: PlateWords, font: PlateFont) -> str:

@@ -21,7 +21,11 @@ _DARKER = 0.3  # skin and bed that get less are hatched twice
 
 
 def hatching(
-    surface: DrawnSurface, light: NDArray[np.float64], along: NDArray[np.float64], distance: float
+    surface: DrawnSurface,
+    light: NDArray[np.float64],
+    along: NDArray[np.float64],
+    distance: float,
+    seen: NDArray[np.bool_],
 ) -> list[FeatureLine]:
     """Hatch what is dark.
 
@@ -35,17 +39,19 @@ def hatching(
         Unit vector along which the hatching runs on the skin, shape (3,).
     distance
         Distance between two lines in mm of tissue.
+    seen
+        The triangles of skin and bed that may be seen, shape (m,): no others are hatched.
 
     Returns
     -------
     list[FeatureLine]
-        The lines, hidden ones too.
+        The lines, what is hidden of them too.
     """
     across = np.cross(light, along)
     across /= max(float(np.linalg.norm(across)), 1e-12)
     shade = 1.0 - np.clip(np.einsum("mki,i->mk", surface.normals, light), 0.0, 1.0)
-    skin = np.isin(surface.origin, (FaceOrigin.SKIN, FaceOrigin.UNDERSIDE, SCENERY))
-    bed, wall = surface.origin == BED, surface.origin == FaceOrigin.WOUND_WALL
+    skin = seen & np.isin(surface.origin, (FaceOrigin.SKIN, FaceOrigin.UNDERSIDE, SCENERY))
+    bed, wall = seen & (surface.origin == BED), surface.origin == FaceOrigin.WOUND_WALL
     plain = surface.rest @ across
     crossed = surface.rest @ (0.7 * across + 0.7 * along)
     lines = levels(surface, skin, plain, distance, shade - (1.0 - _DARK))

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString
 
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.letter_anchors import Corner
 from lappet.plates.plate_scene import PlateScene
 from lappet.plates.projection import Projection
 from lappet.plates.screen_triangles import ScreenTriangles
-from lappet.plates.strokes import Stroke
+from lappet.plates.strokes import Stroke, sampled
 
 # Distances in mm on paper from a corner, and shares of half its angle by which a letter stands beside its middle.
 _PLACES = tuple((far, aside) for far in (3.2, 4.2, 5.4) for aside in (0.0, -0.35, 0.35, -0.65, 0.65))
@@ -111,8 +110,9 @@ def place_letters(
     inside = (np.abs(paper) + np.asarray(_HALF) < 0.5 * np.asarray(projection.size)).all(axis=1)
     seen = (known & inside & (depth <= screen.nearest(paper)[1] + 0.5)).reshape(len(corners), -1)
     paper = paper.reshape(len(corners), -1, 2)
-    lines = _sampled([each.points for each in strokes if each.kind in _KEPT_OFF])
-    others = _sampled(arrows)
+    none = np.zeros((0, 2))
+    lines = np.vstack([none, *(sampled(each.points, _SAMPLE) for each in strokes if each.kind in _KEPT_OFF)])
+    others = np.vstack([none, *(sampled(each, _SAMPLE) for each in arrows)])
     found: list[Letter] = []
     for corner, own, there in zip(corners, paper, seen, strict=True):
         taken = np.vstack([others, *(_box(each.at) for each in found)])
@@ -138,12 +138,6 @@ def _beside(corner: Corner, sector: int, scene: PlateScene, projection: Projecti
     far = np.array([each for each, _ in _PLACES])[:, None] / projection.scale
     places: NDArray[np.float64] = corner.at + far * ways
     return places
-
-
-def _sampled(courses: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Points every quarter of a millimeter on lines, (k, 2)."""
-    dense = [np.array(LineString(each).segmentize(_SAMPLE).coords) for each in courses if len(each) > 1]
-    return np.vstack([np.zeros((0, 2)), *dense])
 
 
 def _box(at: NDArray[np.float64]) -> NDArray[np.float64]:

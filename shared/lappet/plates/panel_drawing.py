@@ -161,14 +161,16 @@ def panel_drawing(
     surface = drawn_surface(scene.source, scene.bed, scene.scenery, time)
     paper, depth = projection.paper(surface.points)
     screen = ScreenTriangles(paper, depth, surface.triangles, _CELL, frame=size)
-    lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale) if style.hatched else []
+    quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
+    pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
+    lines: list[FeatureLine] = []
+    if style.hatched:
+        lines = hatching(surface, scene.light, scene.axes[0], _HATCH / projection.scale, _seen(surface, pixels))
     rough = [*lines, *surface_lines(surface, scene.view.position)]
     strokes = visible_strokes(rough, projection, screen)
     strands = [*skin_print.on(scene.source, surface), *more, *scene.strands(time)]
     strands = [each for each in strands if instruments or each.kind is not LineKind.INSTRUMENT]
     strokes += visible_strokes(strands, projection, screen, smooth=False)
-    quantity = scene.source.scalar(surface.epoch, mapped, time) if mapped else None
-    pixels = seen_pixels(surface, projection, screen, scene.source.layers, quantity)
     inside, arrows = clipped(strokes, size), [*_arrows(scene, time, later, projection), *pulls]
     return PanelDrawing(
         projection,
@@ -179,6 +181,14 @@ def panel_drawing(
         tuple(place_letters(scene, time, projection, screen, inside, arrows, letters)) if letters is not None else (),
         tuple(arrows),
     )
+
+
+def _seen(surface: DrawnSurface, pixels: SeenPixels) -> NDArray[np.bool_]:
+    """The triangles that pixels show, and those beside them, of which slivers may be seen between pixels, (m,)."""
+    corner = np.zeros(len(surface.points), bool)
+    corner[surface.triangles[np.unique(pixels.triangle[pixels.triangle >= 0])]] = True
+    beside: NDArray[np.bool_] = corner[surface.triangles].any(axis=1)
+    return beside
 
 
 def wall_key(key: str, layers: TissueLayers) -> str:

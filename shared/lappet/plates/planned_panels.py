@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,7 +65,7 @@ def plate_panels(source: SkinSource, plate: Plate, notes: list[Problem]) -> tupl
                 notes.append(problem(ProblemCode.PLATE_NO_STEP, panel.name, panel.step))
             continue
         ghost = _step(source, steps, panel.ghost, 0.0, plate) if panel.ghost else None
-        found.append(PlateStep(step.time, step.kind, panel, None if ghost is None else ghost.time))
+        found.append(replace(step, panel=panel, ghost=None if ghost is None else ghost.time))
     hosts = {step.panel.name for step in found if step.panel is not None and not step.panel.inset_of}
     kept = [step for step in found if step.panel is not None and step.panel.inset_of in {"", *hosts}]
     if not hosts:

@@ -205,7 +205,7 @@ def _captions(request: PlateRequest, words: PlateWords) -> list[str]:
     captions = []
     for index, (row, k) in enumerate(request.panels):
         step, title = request.rows[row].steps[k], request.rows[row].title
-        said = words(f"step.{step.kind}", time=f"{step.time:g}")
+        said = words(step.key, time=f"{step.time:g}")
         written = request.captions.get(index) or (step.panel.caption if step.panel is not None else "")
         captions.append(written or (f"{title}: {said}" if title else said))
     return captions

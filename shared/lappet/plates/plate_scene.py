@@ -29,7 +29,7 @@ _ON_SKIN = 0.5  # mm: marks and threads that ride on the skin may lie so far beh
 _CROWDED = 4.5  # mm on paper: of corners that are nearer to each other one has a letter
 _NEAR = 2.0 / 3.0  # power of the body around an operation that is left where it is seen from nearer
 _BESIDE = (2.5, 4.0, 6.0)  # mm from a corner at which its tissue is looked for: a narrow wound is wider farther out
-_AS_NARROW = np.radians(45.0)  # sectors whose angles differ by less are as narrow as each other
+_TIP = np.radians(175.0)  # a wider sector is no corner of its tissue
 _GONE = 1.0  # mm: a place at rest that is farther from all skin has been excised
 _LIGHT = (-0.85, 0.55, 1.0)  # right, up, out of the skin: from the upper left, as in Blender's pictures
 
@@ -265,7 +265,7 @@ def at_one_scale(scenes: Sequence[PlateScene]) -> list[PlateScene]:
 
 
 def _kept(source: SkinSource, skin: ClosestPoint, corner: Corner) -> int:
-    """The sector that keeps a corner's letter: of the narrowest that are there at the end, what is carried farthest."""
+    """The sector that keeps a corner's letter: of tips that are there at the end, what is carried farthest."""
     count = len(corner.sectors)
     places = skin.query(np.array([corner.inset(far, k) for k in range(count) for far in _BESIDE]))[1]
     ends = followed(source, places, source.frames[-1])
@@ -273,6 +273,7 @@ def _kept(source: SkinSource, skin: ClosestPoint, corner: Corner) -> int:
     if not there.any():
         return 0
     angles = np.array([each.angle for each in corner.sectors])
-    near = there & (angles <= angles[there].min() + _AS_NARROW)
+    tips = there & (angles < _TIP)
+    near = tips if tips.any() else there & (angles <= angles[there].min())
     moved = np.linalg.norm(ends - places, axis=1).reshape(count, -1).max(axis=1)
     return int(np.argmax(np.where(near, moved, -1.0)))

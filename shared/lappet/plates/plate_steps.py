@@ -9,6 +9,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.open_wound import open_area
 from lappet.drawing.second_stage import CUTS as CUT_KINDS
 from lappet.drawing.second_stage import PULLS, second_stage_from
 from lappet.drawing.skin_source import SkinSource, StepEvent
@@ -16,6 +17,7 @@ from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.plate import PlatePanel
 
 _MOST = 99.0  # percent of the skin's points that count: the tips of flaps settle a little when hooks let go
+_LEFT_OPEN = 25.0  # mm²: a wound of which more gapes is not closed
 _SAME = 1.5  # mm: two panels in which no skin moves farther are one (chosen: about a line of text on paper)
 
 
@@ -62,12 +64,20 @@ class PlateStep:
         What a plate of the procedure says of it, None where the program chose it.
     ghost
         Time code of the frame whose outlines are drawn through, or None.
+    left_open
+        Whether a part of the wound that is sutured stays open.
     """
 
     time: float
     kind: StepKind
     panel: PlatePanel | None = None
     ghost: float | None = None
+    left_open: bool = False
+
+    @property
+    def key(self) -> str:
+        """The key of its caption in the catalogue."""
+        return f"step.{self.kind}-open" if self.left_open else f"step.{self.kind}"
 
 
 def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateStep]:
@@ -103,7 +113,8 @@ def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateSt
     steps += _pulled(source, normal, pulls, sutures)
     steps += second_stage(frames, events)
     if sutures:
-        steps.append(PlateStep(_at_or_after(frames, max(e.end for e in sutures)), StepKind.SUTURED))
+        sewn = _at_or_after(frames, max(e.end for e in sutures))
+        steps.append(PlateStep(sewn, StepKind.SUTURED, left_open=open_area(source, sewn, normal) > _LEFT_OPEN))
     steps.append(PlateStep(frames[-1], StepKind.RESULT if events else StepKind.FRAME))
     return _distinct(source, steps)
 

@@ -37,6 +37,26 @@ class Stroke:
     points: NDArray[np.float64]
 
 
+def sampled(course: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Choose points along a line at even distances; a line without length is one point.
+
+    Parameters
+    ----------
+    course
+        The line, shape (k, d), k at least 1.
+    step
+        The greatest distance between two points.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The points, its ends among them, shape (n, d).
+    """
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(course, axis=0), axis=1))])
+    at = np.linspace(0.0, along[-1], int(np.ceil(along[-1] / step)) + 1)
+    return np.stack([np.interp(at, along, course[:, k]) for k in range(course.shape[1])], axis=1)
+
+
 def visible_strokes(
     lines: Sequence[FeatureLine], projection: Projection, screen: ScreenTriangles, smooth: bool = True
 ) -> list[Stroke]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString
 
 from lappet.plates.feature_lines import LineKind
 from lappet.plates.filled_areas import AreaKind
 from lappet.plates.panel_drawing import PanelDrawing
+from lappet.plates.strokes import sampled
 
 _KINDS = tuple(AreaKind)
 _KEEP_OFF = (
@@ -33,7 +33,6 @@ def taken_places(drawing: PanelDrawing) -> NDArray[np.float64]:
     kinds = drawing.pixels.kind[::6, ::6]
     rows, columns = np.nonzero((kinds > _KINDS.index(AreaKind.SKIN)) & (kinds < _KINDS.index(AreaKind.EYE)))
     found = [np.stack([drawing.pixels.x[::6][columns], drawing.pixels.y[::6][rows]], axis=1)]
-    own = [LineString(stroke.points).segmentize(1.0) for stroke in drawing.strokes if stroke.kind in _KEEP_OFF]
-    found += [np.array(line.coords) for line in own]
+    found += [sampled(stroke.points, 1.0) for stroke in drawing.strokes if stroke.kind in _KEEP_OFF]
     found += [letter.at[None] for letter in drawing.letters]
     return np.vstack(found)
