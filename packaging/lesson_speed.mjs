@@ -102,7 +102,7 @@ try {
     requestAnimationFrame(next);
   });
   await page.evaluate(pictures, 10);
-  await measured("yardstick", 60, pictures);
+  await measured("yardstick", 20, pictures);
 
   const before = spent();
   await page.goto(pathToFileURL(process.argv[2]).href);
@@ -118,13 +118,13 @@ try {
     window.play = () => document.body.dispatchEvent(new KeyboardEvent("keydown", { key: ".", bubbles: true }));
     window.draw = window.turn;
   });
-  await page.evaluate(pictures, 25); // the picture becomes as coarse as it needs
-  await measured("turning", 40, pictures);
+  await page.evaluate(pictures, 15); // the picture becomes as coarse as it needs
+  await measured("turning", 20, pictures);
   await page.evaluate(() => {
     lappetLesson.seek(0);
     window.draw = window.play;
   });
-  await measured("playing", 36, pictures);
+  await measured("playing", 20, pictures);
 } finally {
   await browser.close();
 }
