@@ -118,7 +118,7 @@ try {
     window.play = () => document.body.dispatchEvent(new KeyboardEvent("keydown", { key: ".", bubbles: true }));
     window.draw = window.turn;
   });
-  await page.evaluate(pictures, 15); // the picture becomes as coarse as it needs
+  await page.evaluate(pictures, 25); // the picture becomes as coarse as it needs
   await measured("turning", 20, pictures);
   await page.evaluate(() => {
     lappetLesson.seek(0);

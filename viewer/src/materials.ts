@@ -117,7 +117,7 @@ export interface Surfaces {
 export class Materials {
   readonly shared: Shared;
   readonly fine: Surfaces;
-  /** Of a picture that moves and is drawn by the processor: without relief and gloss, which take a third of its time. */
+  /** Of a picture that moves and is drawn by the processor: without relief and gloss, which take a fifth of its time. */
   readonly quick: Surfaces;
   readonly layerRows: number;
 
