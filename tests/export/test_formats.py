@@ -91,3 +91,12 @@ def test_a_file_in_place_of_the_folder_or_a_folder_in_place_of_the_file_is_refus
         with pytest.raises(RefusedError) as refused:
             export(ExportRequest((Path("no cache is there.usdc"),), target))
         assert [each.code for each in refused.value.problems] == [code]
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
+def test_a_film_is_refused_with_the_commands_that_make_one(suffix: str, tmp_path: Path) -> None:
+    with pytest.raises(RefusedError) as refusal:
+        export(ExportRequest((tmp_path / "no.usdc",), tmp_path / f"x{suffix}"))
+    (found,) = refusal.value.problems
+    assert found.code == ProblemCode.EXPORT_FILM
+    assert f"lappet film CACHE -o {tmp_path}" in found.remedy

@@ -196,8 +196,12 @@ def test_blender_plays_it_at_its_speed_with_its_picture_camera_and_lights(files:
 @pytest.mark.timeout(300)
 def test_the_loader_of_three_draws_it(files: list[Path], cache: SkinCache, tmp_path: Path) -> None:
     site = player_site(tmp_path, "usd", *files)
-    done = played(site, "usd", files[0], [("", 0.0)], ("evaluate", "players.draw()"))
-    _, shown, drawn = done.results
+    poses = [("TransformAnimation", code / 24.0) for code in (2, 16)]
+    done = played(site, "usd", files[0], poses, ("evaluate", "players.draw()"))
+    _, shown, closed, drawn = done.results
+    assert {name for name in shown if name.startswith("epoch")} == {"epoch_00"}
+    assert {"epoch_01", "Threads"} <= set(closed)
+    assert not {"epoch_00", "SkinHooks"} & set(closed)
     assert drawn["fault"] == 0
     red, green, blue = drawn["mean"]
     assert red > 1.1 * green > 1.1 * blue > 60.0  # skin, lit, though without the picture on it

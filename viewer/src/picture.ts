@@ -11,6 +11,7 @@ const FLIGHT = 0.7; // seconds from one view to another
 const SLOW = 45; // milliseconds from picture to picture: slower ones have fewer pixels while they move
 const SHADOW_EVERY = 4; // pictures, while one moves that the processor draws: its shadow is half of the work
 const REST = 250; // milliseconds after which a picture rests
+const APART = 1000; // pictures that follow each other sooner are of one motion, be they as slow as they may
 const COARSEST = 0.5;
 const FINEST = 1.5; // of a resting picture without smoothed edges
 
@@ -27,6 +28,7 @@ export class Picture {
   private moved = 1; // that of one that moves
   private drawn = 0;
   private settle = 0;
+  private settled = false;
   private view: View | null = "oblique";
 
   constructor(
@@ -117,6 +119,7 @@ export class Picture {
     this.stages.forEach((stage, k) => {
       const moment = this.timeline.frame(k, time);
       stage.show(this.still ? Math.floor(moment + 1e-6) : moment, shown);
+      stage.drawQuickly(this.software && !this.resting);
       stage.castShadow(this.software && !this.resting ? SHADOW_EVERY : 1);
       this.drawPart(stage, parts[k]);
       this.labels.place(stage, moment, this.camera, parts[k], shown);
@@ -167,6 +170,7 @@ export class Picture {
     const size = this.renderer.getSize(new THREE.Vector2());
     const ratio = this.renderer.getPixelRatio();
     target.show(Math.floor(this.timeline.frame(stage, time) + 1e-6), shown);
+    target.drawQuickly(false);
     target.castShadow(1);
     this.renderer.setPixelRatio(1);
     this.renderer.setSize(width, height, false);
@@ -247,7 +251,9 @@ export class Picture {
     const gap = performance.now() - this.drawn;
     this.drawn += gap;
     clearTimeout(this.settle);
-    if (moving || gap < REST) {
+    const { settled } = this;
+    this.settled = false;
+    if (moving || (gap < APART && !settled)) {
       if (this.sharp === this.moved && gap < 1500) {
         if (gap > SLOW) this.moved = Math.max(COARSEST, 0.85 * this.moved);
         else if (gap < 0.4 * SLOW) this.moved = Math.min(1, 1.04 * this.moved);
@@ -258,6 +264,7 @@ export class Picture {
     this.settle = window.setTimeout(() => {
       if (this.sharp === this.rested) return;
       this.setSharp(this.rested);
+      this.settled = true; // what is drawn next is this picture with all its pixels
       this.requestDraw();
     }, REST);
   }

@@ -97,7 +97,7 @@ export class SkinMesh {
       this.lips.push(chains.subarray(begin, begin + length));
       begin += length;
     }
-    this.mesh = new THREE.Mesh(geometry, materials.tissue);
+    this.mesh = new THREE.Mesh(geometry, materials.fine.tissue);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
   }

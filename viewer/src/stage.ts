@@ -35,6 +35,7 @@ export class Stage {
   readonly hasBody: boolean;
   private readonly tissue = new THREE.Group();
   private readonly around = new THREE.Group();
+  private readonly bodies: THREE.Mesh[] = [];
   private readonly materials: Materials;
   private readonly strands = new Map<string, StrandSet>();
   private readonly lips: Tubes;
@@ -128,6 +129,14 @@ export class Stage {
     this.around.visible = shown.around;
   }
 
+  /** Draws surfaces without relief and gloss, or with them. */
+  drawQuickly(quick: boolean): void {
+    const surfaces = quick ? this.materials.quick : this.materials.fine;
+    for (const skin of this.epochs) skin.mesh.material = surfaces.tissue;
+    for (const body of this.bodies) body.material = surfaces.body;
+    if (this.bed) this.bed.mesh.material = surfaces.bed;
+  }
+
   /** Lets the shadow follow what is shown, in every picture or in every so-and-so-many-th. */
   castShadow(every: number): void {
     this.waited++;
@@ -179,7 +188,7 @@ export class Stage {
     if (!bed) return;
     const positions = arrays.positions(bed.positions);
     const index = arrays.numbers(bed.triangles) as Uint32Array;
-    const mesh = plainMesh(positions, index, this.materials.bed);
+    const mesh = plainMesh(positions, index, this.materials.fine.bed);
     mesh.receiveShadow = true;
     this.tissue.add(mesh);
     this.bed = { mesh, positions, index };
@@ -195,10 +204,12 @@ export class Stage {
 
   private addScenery(arrays: Arrays): void {
     for (const { kind, positions, triangles } of this.procedure.scenery) {
-      const material = sceneryMaterial(kind) ?? this.materials.body;
+      const own = sceneryMaterial(kind);
+      const material = own ?? this.materials.fine.body;
       const mesh = plainMesh(arrays.positions(positions), arrays.numbers(triangles) as Uint32Array, material);
       mesh.receiveShadow = true;
       this.around.add(mesh);
+      if (!own) this.bodies.push(mesh);
     }
     this.tissue.add(this.around);
   }

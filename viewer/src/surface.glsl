@@ -11,7 +11,11 @@ uniform highp sampler3D uNoise;
 uniform float uReach; // depth in mm at the right edge of uLayers
 
 // Uneven numbers around a half, of several sizes at once; repeats every 16 units of p.
+#ifdef QUICK
+float layered(vec3 p) { return 0.5; }
+#else
 float layered(vec3 p) { return texture(uNoise, p / 16.0).r; }
+#endif
 
 // Ink of lines of a width at every multiple of a pitch, both in mm; lines finer than a pixel grow pale instead of jagged.
 float lines(float x, float pitch, float width) {

@@ -646,6 +646,7 @@ class ProblemCode(StrEnum):
     EXPORT_SIMPLIFY_TARGET = auto()
     EXPORT_SIMPLIFIED = auto()
     EXPORT_STEP_FILES = auto()
+    EXPORT_FILM = auto()
     EXPORT_MAX_SIZE = auto()
     EXPORT_MAX_SIZE_FRAMES = auto()
     EXPORT_MAX_SIZE_LEAST = auto()

@@ -60,6 +60,7 @@ def _usdz() -> ExportFunction:
 
 
 _STILL = frozenset({"frames", "step", "every_frame", "simplify"})
+_FILMS = (".mp4", ".webm", ".gif")
 _LESSON = frozenset({"language", "title", "frames", "simplify", "max_size"})
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -124,12 +125,14 @@ def exporter_of(path: Path) -> Exporter:
     Raises
     ------
     RefusedError
-        If no format has the suffix.
+        If no format has the suffix, or it is that of a film.
     """
     suffix = path.suffix.lower()
     for exporter in EXPORTERS:
         if exporter.suffix == suffix:
             return exporter
+    if suffix in _FILMS:
+        raise refused(ProblemCode.EXPORT_FILM, path, path.suffix)
     known = ", ".join(each.suffix for each in EXPORTERS)
     raise refused(ProblemCode.EXPORT_SUFFIX, path, path.suffix, known=known)
 
