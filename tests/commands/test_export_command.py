@@ -32,6 +32,25 @@ def test_a_lesson_is_written_and_named(cache_file: Path, tmp_path: Path) -> None
     assert [path.name for path in tmp_path.iterdir()] == ["lesson.html"]
 
 
+@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
+def test_a_film_is_drawn_as_the_command_for_films_does(
+    suffix: str, cache_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[tuple[Path, Path, dict[str, str]]] = []
+    monkeypatch.setattr(
+        "lappet.commands.export_command.draw_with_progress",
+        lambda cache, film, options, limits: drawn.append((cache, film, options)),
+    )
+    target = tmp_path / f"film{suffix}"
+    result = export(cache_file, "-o", target, "--title", "Ein Schnitt", "--language", "de")
+    assert result.exit_code == 0, result.output
+    assert drawn == [(cache_file, target, {"title": "Ein Schnitt", "language": "de"})]
+    for refused in (("--simplify", "2000"), ("--max-size", "5MB"), (cache_file,)):
+        result = export(cache_file, "-o", target, *refused)
+        assert result.exit_code == 2, result.output
+    assert len(drawn) == 1
+
+
 def test_an_unknown_suffix_is_one_sentence_that_lists_the_known_ones(cache_file: Path, tmp_path: Path) -> None:
     result = export(cache_file, "-o", tmp_path / "lesson.docx")
     assert result.exit_code == 1

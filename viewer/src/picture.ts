@@ -9,6 +9,12 @@ import type { Timeline } from "./timeline";
 
 const FLIGHT = 0.7; // seconds from one view to another
 const SLOW = 45; // milliseconds from picture to picture: slower ones have fewer pixels while they move
+const QUICK = 0.4; // of that: quicker ones have more
+// Pictures in a row that are slow or quick before their pixels change: that stops what draws until all is drawn.
+const FEW = 2;
+const MANY = 30;
+const COARSER = 0.75;
+const FINER = 1.2;
 const SHADOW_EVERY = 4; // pictures, while one moves that the processor draws: its shadow is half of the work
 const REST = 250; // milliseconds after which a picture rests
 const APART = 1000; // pictures that follow each other sooner are of one motion, be they as slow as they may
@@ -26,6 +32,8 @@ export class Picture {
   private sharp = 1; // share of the screen's pixels along an edge
   private readonly rested: number; // that of a picture that rests
   private moved = 1; // that of one that moves
+  private slow = 0; // pictures in a row that were
+  private quick = 0;
   private drawn = 0;
   private settle = 0;
   private settled = false;
@@ -255,8 +263,10 @@ export class Picture {
     this.settled = false;
     if (moving || (gap < APART && !settled)) {
       if (this.sharp === this.moved && gap < 1500) {
-        if (gap > SLOW) this.moved = Math.max(COARSEST, 0.85 * this.moved);
-        else if (gap < 0.4 * SLOW) this.moved = Math.min(1, 1.04 * this.moved);
+        this.slow = gap > SLOW ? this.slow + 1 : 0;
+        this.quick = gap < QUICK * SLOW ? this.quick + 1 : 0;
+        if (this.slow >= FEW) this.change(COARSER);
+        else if (this.quick >= MANY) this.change(FINER);
       }
       this.setSharp(this.moved);
     }
@@ -267,6 +277,11 @@ export class Picture {
       this.settled = true; // what is drawn next is this picture with all its pixels
       this.requestDraw();
     }, REST);
+  }
+
+  private change(times: number): void {
+    this.moved = Math.min(1, Math.max(COARSEST, times * this.moved));
+    this.slow = this.quick = 0;
   }
 
   private setSharp(sharp: number): void {

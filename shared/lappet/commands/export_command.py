@@ -7,12 +7,14 @@ from typing import Any
 
 import click
 
+from lappet.commands.film_command import draw_with_progress
 from lappet.commands.parameters import FILE, FileSize, FrameList, Simplification
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.core.problem import Problem
 from lappet.foreign.limits import ReadLimits
 
+_FILMS = (".mp4", ".webm", ".gif")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 
 
@@ -61,14 +63,31 @@ def export(
     .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.
     .csv: forces, landmarks and lengths, a row for each frame.
     .abc, .fbx: written by Blender, where bpy is installed.
+    .mp4, .webm, .gif: a film, as `lappet film` draws it with its defaults.
     """
+    given = {name: value for name, value in options.items() if value is not None}
+    if target.suffix.lower() in _FILMS:
+        _export_film(context, caches, target, given, limits)
+        return
     with sentences(context):
         from lappet.export.export_request import ExportRequest
         from lappet.export.formats import export as write
 
-        given = {name: value for name, value in options.items() if value is not None}
         for path in write(ExportRequest(caches, target, given, limits, _tell)):
             click.echo(path)
+
+
+def _export_film(
+    context: click.Context, caches: tuple[Path, ...], target: Path, given: dict[str, Any], limits: ReadLimits
+) -> None:
+    other = sorted(set(given) - {"language", "title"})
+    if other:
+        raise click.UsageError(f"A film has no --{other[0].replace('_', '-')}; `lappet film` has options of its own.")
+    if len(caches) > 1:
+        raise click.UsageError("A film is of one cache; give one.")
+    with sentences(context):
+        draw_with_progress(caches[0], target, given, limits)
+        click.echo(target)
 
 
 def _tell(problem: Problem) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -45,18 +46,42 @@ _VIEWS = ("oblique", "top", "low")
 def film(context: click.Context, /, cache: Path, film: Path, limits: ReadLimits, **options: Any) -> None:
     """Draw a film: every solved frame as a line drawing with its caption, held at each step, which is a chapter."""
     with sentences(context):
-        from rich.console import Console
-        from rich.progress import Progress
-
-        with extra("A film", "film,plates"):
-            import imageio_ffmpeg  # noqa: F401 - missing, it would be missed after all has been drawn
-
-            from lappet.plates.draw_film import FilmOptions, draw_film
-
-        with Progress(console=Console(stderr=True), transient=True) as progress:
-            task = progress.add_task("Drawing", total=None)
-            draw_film(
-                *(cache, film, FilmOptions(**options), limits),
-                lambda done, of: progress.update(task, completed=done, total=of),
-            )
+        draw_with_progress(cache, film, options, limits)
         click.echo(film)
+
+
+def draw_with_progress(cache: Path, film: Path, options: Mapping[str, Any], limits: ReadLimits) -> None:
+    """Draw a film, with a bar in the terminal.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    film
+        The file.
+    options
+        Fields of `lappet.plates.draw_film.FilmOptions`.
+    limits
+        What reading may take.
+
+    Raises
+    ------
+    RefusedError
+        If the film cannot be drawn, or packages for it are missing; nothing is written then.
+    OSError
+        If a file cannot be written.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with extra("A film", "film,plates"):
+        import imageio_ffmpeg  # noqa: F401 - missing, it would be missed after all has been drawn
+
+        from lappet.plates.draw_film import FilmOptions, draw_film
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("Drawing", total=None)
+        draw_film(
+            *(cache, film, FilmOptions(**options), limits),
+            lambda done, of: progress.update(task, completed=done, total=of),
+        )

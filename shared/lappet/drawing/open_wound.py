@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import manifold3d
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString, STRtree, polygonize, polygons, unary_union
+from scipy.spatial import cKDTree
 
 from lappet.drawing.skin_source import SkinSource
+from lappet.geometry.border_loops import border_loops
 from lappet.geometry.labeled_surface import FaceOrigin
 
 _HALF_GAP = 1.5  # mm: a seam that gapes by less than twice this is closed
+_SAME = 1e-4  # mm: by no more than that corners of an outline are off those of the skin
 
 
 def open_area(source: SkinSource, time: float, normal: NDArray[np.float64]) -> float:
@@ -32,31 +35,18 @@ def open_area(source: SkinSource, time: float, normal: NDArray[np.float64]) -> f
     epoch = source.epoch_at(time)
     skin = epoch.triangles[epoch.origin == FaceOrigin.SKIN].astype(np.int64)
     walls = epoch.triangles[epoch.origin == FaceOrigin.WOUND_WALL].astype(np.int64)
-    edges = _shared(_edges(skin), _edges(walls))
+    edges = np.intersect1d(skin, walls)
     if not len(edges):
         return 0.0
-    across = np.linalg.svd(normal[None])[2][1:]
+    first, second = np.linalg.svd(normal[None])[2][1:]
+    across = np.stack([first, second if np.cross(first, second) @ normal > 0.0 else -second])
     flat = source.positions(epoch, time).astype(np.float64) @ across.T
-    # Edges that run over each other are cut where they cross.
-    lines = unary_union([LineString(flat[edge]) for edge in edges])
-    faces = [face for face in polygonize([lines]).geoms if face.area > (2.0 * _HALF_GAP) ** 2]
-    sheet = STRtree(polygons(flat[skin]))
+    # Skin that lies on skin counts once: what is seen of the sheet has the winding number of its borders.
+    sheet = manifold3d.CrossSection([flat[loop] for loop in border_loops(skin)], manifold3d.FillRule.Positive)
+    lips = cKDTree(flat[edges])
     found = 0.0
-    for face in faces:
-        gap = face.buffer(-_HALF_GAP)
-        if gap.is_empty or len(sheet.query(gap.representative_point(), predicate="intersects")):
-            continue
-        found += float(gap.area)
+    for outline in sheet.to_polygons():
+        if lips.query(outline)[0].min() < _SAME:
+            gap = manifold3d.CrossSection([outline], manifold3d.FillRule.Negative)  # nothing where it is no hole
+            found += gap.offset(-_HALF_GAP).area()
     return found
-
-
-def _edges(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The edges of triangles, the lower vertex first, (3 m, 2)."""
-    return np.sort(np.concatenate([triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]), axis=1)
-
-
-def _shared(one: NDArray[np.int64], other: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The edges that are in both, (k, 2)."""
-    count = int(max(one.max(initial=0), other.max(initial=0))) + 1
-    keys = np.intersect1d(one[:, 0] * count + one[:, 1], other[:, 0] * count + other[:, 1])
-    return np.stack([keys // count, keys % count], axis=1)
