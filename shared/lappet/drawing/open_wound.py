@@ -5,7 +5,6 @@ from __future__ import annotations
 import manifold3d
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from lappet.drawing.skin_source import SkinSource
 from lappet.geometry.border_loops import border_loops
@@ -43,10 +42,10 @@ def open_area(source: SkinSource, time: float, normal: NDArray[np.float64]) -> f
     flat = source.positions(epoch, time).astype(np.float64) @ across.T
     # Skin that lies on skin counts once: what is seen of the sheet has the winding number of its borders.
     sheet = manifold3d.CrossSection([flat[loop] for loop in border_loops(skin)], manifold3d.FillRule.Positive)
-    lips = cKDTree(flat[edges])
+    lips = flat[edges]
     found = 0.0
     for outline in sheet.to_polygons():
-        if lips.query(outline)[0].min() < _SAME:
+        if np.abs(outline[:, None] - lips).max(axis=2).min() < _SAME:
             gap = manifold3d.CrossSection([outline], manifold3d.FillRule.Negative)  # nothing where it is no hole
             found += gap.offset(-_HALF_GAP).area()
     return found
