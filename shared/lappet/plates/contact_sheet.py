@@ -13,13 +13,13 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.page_ground import PageGround
 
-SUFFIXES = (".png", ".tif", ".tiff")
+_FORMATS = {".png": "PNG", ".tif": "TIFF", ".tiff": "TIFF"}
+SUFFIXES = tuple(_FORMATS)
 _WIDTH = 640  # pixels of a picture
 _COLUMNS = 3
 _GAP = 24  # pixels
 _LINE = 34  # pixels of the line below a picture
 _LETTER = 22  # pixels
-_FORMATS = {".png": "PNG", ".tif": "TIFF", ".tiff": "TIFF"}
 
 
 def check_sheet(path: Path) -> str:

@@ -1,6 +1,6 @@
 // Coulomb's friction where the surface presses on itself, smoothed and lagged as in Li et al. (2020, "Incremental
 // Potential Contact", sec. 5.4): with the normal force N, the normal and the closest points of the last look, a pair
-// that has slid by s across its normal since the search began has the energy mu N f(|s|), whose slope grows from 0 to
+// that has slid by s across its normal since `begin` has the energy mu N f(|s|), whose slope grows from 0 to
 // mu N over a small slide and stays. So what holds has crept by up to that slide. The searches of a frame look again
 // until forces balance with what presses then.
 #pragma once
@@ -28,7 +28,6 @@ class ContactFriction {
   ContactFriction(double coefficient, double slide) : coefficient_(coefficient), slide_(slide) {}
 
   bool acts() const { return coefficient_ > 0.0; }
-  double coefficient() const { return coefficient_; }
   // Slides are counted from here on, where nothing is known to press.
   void begin(std::span<const Vec3> places);
   // These press.
@@ -36,6 +35,9 @@ class ContactFriction {
   // Of what presses a share, the rest of what did at the looks before: two looks may each lead to the other.
   void mix_with_looks_before(double share);
   std::vector<SlidingPair> sliding(std::span<const Vec3> places) const;
+  std::size_t bytes() const {
+    return from_.size() * sizeof(Vec3) + (pressed_.size() + before_.size()) * sizeof(Pressed);
+  }
 
  private:
   struct Pressed {

@@ -74,7 +74,7 @@ class SelfContact {
   double distance_of_walls() const { return surface_.reach(); }
   const ContactSurface& surface() const { return surface_; }
   const ContactCandidates& candidates() const { return candidates_; }
-  std::size_t bytes() const { return surface_.bytes() + candidates_.bytes(); }
+  std::size_t bytes() const { return surface_.bytes() + candidates_.bytes() + friction_.bytes(); }
 
  private:
   void add_row(const std::array<Index, 4>& vertices, const TangentRow& row, SparseRows& to) const;
