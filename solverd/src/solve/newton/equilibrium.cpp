@@ -178,6 +178,12 @@ class EquilibriumSearch {
       system_.self_contact()->mix_friction(1.0 / (looks_ - kFreeLooks + 1));
       evaluate();
       record();
+      if (outcome_.residual > options_.tolerance) return true;
+      // Forces balance with the mean, and do not with what presses: that is no equilibrium, and the mean begins anew.
+      looks_ = 0;
+      (void)system_.self_contact()->look_for_friction(now_.self_contact);
+      evaluate();
+      record();
     }
     return true;
   }
