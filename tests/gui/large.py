@@ -19,9 +19,9 @@ ACROSS, ALONG, END = 166, 126, 8
 STALL = 0.050  # seconds of the processor at once; twice that is allowed on a machine that does other work too
 
 
-def sheet() -> bpy.types.Object:
-    """The skin of 60 x 40 mm as an open sheet of more than 20 000 vertices."""
-    x, y = np.meshgrid(np.linspace(-30, 30, ACROSS), np.linspace(-20, 20, ALONG))
+def sheet(across: int = ACROSS, along: int = ALONG) -> bpy.types.Object:
+    """The skin of 60 x 40 mm as an open sheet of across x along vertices."""
+    x, y = np.meshgrid(np.linspace(-30, 30, across), np.linspace(-20, 20, along))
     top = np.stack([x, y, -(x**2 + y**2) / 200.0], axis=-1).reshape(-1, 3)
     ids = np.arange(x.size).reshape(x.shape)
     quads = np.stack([ids[:-1, :-1], ids[:-1, 1:], ids[1:, 1:], ids[1:, :-1]], axis=-1).reshape(-1, 4)
@@ -92,4 +92,5 @@ def scenario(blender: Driver) -> Steps:
     noted("undo")
 
 
-run(scenario)
+if __name__ == "__main__":
+    run(scenario)

@@ -1,4 +1,4 @@
-"""Runs a scenario in a real Blender window without a screen: `run.py [SCENARIO] [--limit SECONDS]`.
+"""Runs a scenario in a real Blender window without a screen: `run.py [SCENARIO] [--limit SECONDS] [--zip FILE]`.
 
 SCENARIO: a script beside this one (drive.py). Makes the chroot with Blender and the extension's zip where they are
 missing. Screenshots, Blender's log and the verdict go to build/gui/results. The exit status is the verdict's.
@@ -28,14 +28,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("scenario", nargs="?", default="drive.py")
     parser.add_argument("--limit", type=float, default=420.0, help="seconds until the run has failed")
+    parser.add_argument("--zip", type=Path, help="the extension to install, a file in this checkout; else it is built")
     given = parser.parse_args()
     if subprocess.run(CHROOT, check=False).returncode:
         return 1
-    pack = [sys.executable, str(ROOT / "packaging" / "extension.py")]
-    made = subprocess.run(pack, check=False, stdout=subprocess.PIPE, text=True)
-    if made.returncode:
+    zip_file = packed() if given.zip is None else given.zip.resolve().relative_to(ROOT)
+    if zip_file is None:
         return 1
-    zip_file = Path(made.stdout.splitlines()[-1].rpartition(" (")[0]).relative_to(ROOT)  # other tools speak before
     shutil.rmtree(RESULTS, ignore_errors=True)
     RESULTS.mkdir(parents=True)
     inside = ["python3", str(INSIDE / "tests/gui/run.py"), "--inside", str(zip_file), given.scenario]
@@ -51,6 +50,15 @@ def main() -> int:
             process.stdin.close()
             process.wait(timeout=20)
     return report()
+
+
+def packed() -> Path | None:
+    """Builds the extension's zip; its path in the checkout, or None where that failed."""
+    pack = [sys.executable, str(ROOT / "packaging" / "extension.py")]
+    made = subprocess.run(pack, check=False, stdout=subprocess.PIPE, text=True)
+    if made.returncode:
+        return None
+    return Path(made.stdout.splitlines()[-1].rpartition(" (")[0]).relative_to(ROOT)  # other tools speak before
 
 
 def report() -> int:

@@ -6,21 +6,79 @@ show one epoch at once (variants side by side) therefore have one each.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Collection
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.background.manifest import EpochShape
 from lappet.drawing.skin_fields import WOUND_WALL
 
 from ..look.layer_image import ROW, layer_rows
-from ..look.skin_import import build_mesh, mark_sharp_borders, set_attribute
+from ..look.mesh_edges import MeshEdges, between_kinds, mesh_edges
+from ..look.skin_import import build_mesh, set_attribute
 from ..look.solid_texture import TILE, lay
+from ..model.made_soon import MadeSoon
+from .skin_colors import flesh
 
 KEY = "lappet_epoch"
 _ROWS_FOR = "lappet_layer_rows"
+
+
+@dataclass(frozen=True, eq=False)
+class EpochArrays:
+    """What is found out before a mesh is made of an epoch.
+
+    triangles, origin: (m, 3), (m,), of those that are shown. edges, sharp: theirs, (e,). tiles: (3m, 2), places on the
+    grid's picture. kept: (M,) which triangles of the epoch are shown.
+    """
+
+    triangles: NDArray[np.int32]
+    origin: NDArray[np.int32]
+    edges: MeshEdges
+    sharp: NDArray[np.bool_]
+    tiles: NDArray[np.float32]
+    kept: NDArray[np.bool_]
+
+
+_LARGE = 8000  # triangles from which on arrays are found on a thread where somebody looks on
+_MOST_KEPT = 8
+_arrays: OrderedDict[tuple[str, bool], MadeSoon[EpochArrays]] = OrderedDict()
+
+
+def soon_arrays(shape: EpochShape, walls: bool, layers: TissueLayers) -> MadeSoon[EpochArrays]:
+    """The arrays of an epoch's mesh, begun on a thread where they are not known, and the colors of its layers."""
+    key = (shape.key, walls)
+
+    def find() -> EpochArrays:
+        flesh(shape, layers)
+        return epoch_arrays(shape, walls)
+
+    if key not in _arrays:
+        _arrays[key] = MadeSoon(find)
+    _arrays.move_to_end(key)
+    while len(_arrays) > _MOST_KEPT:
+        _arrays.popitem(last=False)
+    return _arrays[key]
+
+
+def is_large(shape: EpochShape) -> bool:
+    """Whether somebody who looks on would notice how long its mesh takes."""
+    return len(shape.triangles) >= _LARGE
+
+
+def epoch_arrays(shape: EpochShape, walls: bool = True) -> EpochArrays:
+    """Find out what a mesh of an epoch needs; touches nothing of Blender's."""
+    kept = np.ones(len(shape.triangles), bool) if walls else shape.origin != WOUND_WALL
+    triangles, origin = np.ascontiguousarray(shape.triangles[kept], np.int32), shape.origin[kept].astype(np.int32)
+    edges = mesh_edges(triangles, len(shape.rest))
+    sharp = between_kinds(edges.of_corner, len(edges.ends), origin)
+    tiles = (shape.grid[kept].reshape(-1, 2) / TILE).astype(np.float32)
+    return EpochArrays(triangles, origin, edges, sharp, tiles, kept)
 
 
 def take_epoch_mesh(shape: EpochShape, walls: bool, units: float, current: bpy.types.Mesh | None) -> bpy.types.Mesh:
@@ -29,7 +87,10 @@ def take_epoch_mesh(shape: EpochShape, walls: bool, units: float, current: bpy.t
     walls: whether it has the faces of wound walls. units: Blender units per mm, of a new one's positions.
     """
     found = find_epoch_mesh(shape, walls, current)
-    return build_epoch_mesh(shape, walls, units) if found is None else found
+    if found is not None:
+        return found
+    begun = _arrays.pop((shape.key, walls), None)
+    return build_epoch_mesh(shape, walls, units, epoch_arrays(shape, walls) if begun is None else begun.take())
 
 
 def find_epoch_mesh(shape: EpochShape, walls: bool, current: bpy.types.Mesh | None) -> bpy.types.Mesh | None:
@@ -54,24 +115,25 @@ def _whole(mesh: bpy.types.Mesh, shape: EpochShape) -> bool:
     return len(mesh.vertices) == len(shape.rest) and not mesh.is_editmode and "rest" in mesh.attributes
 
 
-def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001) -> bpy.types.Mesh:
-    """Make the mesh of an epoch at rest.
+def build_epoch_mesh(
+    shape: EpochShape, walls: bool = True, units: float = 0.001, arrays: EpochArrays | None = None
+) -> bpy.types.Mesh:
+    """Make the mesh of an epoch at rest. arrays: `epoch_arrays` of it, found where they are not given.
 
     Its attributes are `rest`, `origin`, `face`, `grid`, `depth` and `quantity`, and `UVMap` in tiles of `TILE` mm.
     """
-    kept = slice(None) if walls else shape.origin != WOUND_WALL
-    triangles, origin, grid = shape.triangles[kept], shape.origin[kept], shape.grid[kept]
-    mesh = build_mesh(mesh_name(shape), shape.rest, triangles, units)
+    found = epoch_arrays(shape, walls) if arrays is None else arrays
+    mesh = build_mesh(mesh_name(shape), shape.rest, found.triangles, units, found.edges)
     mesh[KEY] = shape.key if walls else f"{shape.key} without walls"
-    set_attribute(mesh, "material_index", "INT", "FACE", origin.astype(np.int32))
-    mark_sharp_borders(mesh, origin)
+    set_attribute(mesh, "material_index", "INT", "FACE", found.origin)
+    set_attribute(mesh, "sharp_edge", "BOOLEAN", "EDGE", found.sharp)
     set_attribute(mesh, "rest", "FLOAT_VECTOR", "POINT", shape.rest)
     set_attribute(mesh, "depth", "FLOAT", "POINT", shape.depth)
     set_attribute(mesh, "quantity", "FLOAT", "POINT", np.zeros(len(shape.rest), np.float32))
-    set_attribute(mesh, "origin", "INT", "FACE", origin.astype(np.int32))
-    set_attribute(mesh, "face", "INT", "FACE", shape.face[kept].astype(np.int32))
-    set_attribute(mesh, "grid", "FLOAT2", "CORNER", grid)
-    lay(mesh, grid.reshape(-1, 2) / TILE)
+    set_attribute(mesh, "origin", "INT", "FACE", found.origin)
+    set_attribute(mesh, "face", "INT", "FACE", shape.face[found.kept].astype(np.int32))
+    set_attribute(mesh, "grid", "FLOAT2", "CORNER", shape.grid[found.kept])
+    lay(mesh, found.tiles)
     return mesh
 
 

@@ -26,6 +26,10 @@ Lookup = Callable[[int], SolvedFrame | None]
 _COURSE = 5  # frames that tell where a hook goes
 
 
+def _epoch_name(number: int, shape: EpochShape) -> str:
+    return f"{number} {shape.key}"
+
+
 def _no_strands(count: int) -> Strands:
     return Strands(np.zeros((count, 2, 3), np.float32), np.zeros(count, bool))
 
@@ -45,7 +49,7 @@ class ManifestSource:
             times.setdefault(frame.epoch, []).append(float(frame.time))
         self._shapes = manifest.epochs
         self._epochs = tuple(
-            SkinEpoch(f"{k} {s.key}", s.triangles, s.origin, s.grid, tuple(times.get(k, ())))
+            SkinEpoch(_epoch_name(k, s), s.triangles, s.origin, s.grid, tuple(times.get(k, ())))
             for k, s in enumerate(manifest.epochs)
         )
         self._shape_of = {e.name: s for e, s in zip(self._epochs, manifest.epochs, strict=True)}
@@ -53,6 +57,10 @@ class ManifestSource:
         self._now: tuple[float, SkinEpoch, SolvedFrame | None] | None = None
         self._last: dict[str, float | None] = {}
         self.read_events(scene)
+
+    def has_epochs_of(self, manifest: Manifest) -> bool:
+        """Whether a manifest's epochs are these."""
+        return [e.name for e in self._epochs] == [_epoch_name(k, s) for k, s in enumerate(manifest.epochs)]
 
     def read_events(self, scene: bpy.types.Scene) -> None:
         """Take over what the scene says of its events now."""

@@ -38,7 +38,7 @@ def color_vertices(
     if quantity is None:
         state = f"flesh {digest(layers).hex()}"
         if mesh.get(_STATE) != state:
-            _set(mesh, _flesh(shape, layers))
+            _set(mesh, flesh(shape, layers))
             mesh[_STATE] = state
         return
     if not _table:
@@ -48,8 +48,8 @@ def color_vertices(
     share = np.nan_to_num(quantity * np.float32(_STEPS / max(highest, 1e-9)))
     colors = _table[0][np.clip(share, 0, _STEPS - 1).astype(np.int32)]
     inner = _inner(shape)
-    flesh = _flesh(shape, layers)[inner]
-    colors[inner, :3] = (flesh[:, :3] @ _LUMINANCE)[:, None]  # in its own colors it would read as high values
+    inside = flesh(shape, layers)[inner]
+    colors[inner, :3] = (inside[:, :3] @ _LUMINANCE)[:, None]  # in its own colors it would read as high values
     _set(mesh, colors)
     mesh[_STATE] = "quantity"
 
@@ -72,7 +72,8 @@ def _inner(shape: EpochShape) -> NDArray[np.int64]:
     return _inners[shape.key]
 
 
-def _flesh(shape: EpochShape, layers: TissueLayers) -> NDArray[np.float32]:
+def flesh(shape: EpochShape, layers: TissueLayers) -> NDArray[np.float32]:
+    """The colors (n, 4) of skin and the layers below it; kept, and from any thread."""
     key = f"{shape.key} {digest(layers).hex()}"
     if key not in _base:
         if len(_base) > 32:

@@ -11,7 +11,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.background.manifest import Manifest
 from lappet.drawing.deep_bed import DeepBed
+from lappet.drawing.epoch_searches import EpochSearches
 from lappet.drawing.framing import SurgicalField, field_around
 from lappet.drawing.hook_steel import HookSteel
 from lappet.drawing.skin_fields import SKIN, WOUND_WALL
@@ -21,10 +23,13 @@ from lappet.drawing.suture_thread import SutureThread
 from lappet.drawing.wound_edge import WoundEdge
 from lappet.procedure import VESSEL_KINDS
 
-from ..look.skin_import import set_attribute
+from ..look.mesh_edges import MeshEdges, mesh_edges
+from ..look.skin_import import fill_mesh, set_attribute
 from ..look.tube import TOPOLOGY, draw_tubes
 from ..look.vessel_tubes import VesselTubes
+from ..model.made_soon import MadeSoon
 from .display_collection import find_object, make_object, place, set_visible
+from .epoch_mesh import is_large
 from .look_materials import part_material
 from .manifest_source import ManifestSource
 from .sphere_shape import spheres
@@ -51,26 +56,31 @@ class SkinDecorations:
     def __init__(self, source: ManifestSource, before: SkinDecorations | None = None) -> None:
         """before: what was drawn until now; where its epochs are the same, what was found of them is kept."""
         self.source = source
-        same = before is not None and [e.name for e in before.source.epochs] == [e.name for e in source.epochs]
-        kept = before if same else None
+        kept = before if before is not None and before.fits(source.manifest) else None
+        self._searches: EpochSearches = kept._searches if kept else EpochSearches()
+        self._preparing: dict[tuple[str, bool, bool], MadeSoon[None]] = kept._preparing if kept else {}
         self.field: SurgicalField = kept.field if kept else manifest_field(source)
         self._axes = np.stack([self.field.right, self.field.up, self.field.normal])
         self._scale = self.field.stitch_scale
-        self._edge: WoundEdge = kept._edge if kept else WoundEdge(source)
+        self._edge: WoundEdge = kept._edge if kept else WoundEdge(source, self._searches)
         self._bed: DeepBed | None = kept._bed if kept else None
+        self._bed_edges: MeshEdges | None = kept._bed_edges if kept else None
         self._edge.source = source
         if self._bed is not None:
             self._bed.source = source
-        self._marks: SkinMarks = SkinMarks(source, kept._marks if kept else None)
+        self._marks: SkinMarks = SkinMarks(source, kept._marks if kept else None, self._searches)
         self._thread: SutureThread = self._new_thread(kept._thread if kept else None)
         self._hooks: HookSteel | None = None
-        self._old_hooks: HookSteel | None = (kept._hooks or kept._old_hooks) if kept else None
         self._known: tuple[float | None, ...] = ()
+
+    def fits(self, manifest: Manifest) -> bool:
+        """Whether what was found of the epochs holds for those of a manifest as well."""
+        return self.source.has_epochs_of(manifest)
 
     def events_changed(self, scene: bpy.types.Scene) -> None:
         """The scene's events are others now: the pen marks follow."""
         self.source.read_events(scene)
-        self._marks = SkinMarks(self.source, self._marks)
+        self._marks = SkinMarks(self.source, self._marks, self._searches)
 
     def frames_changed(self) -> None:
         """Frames have come or gone: where stitches bite and hooks point is found anew if that tells something new."""
@@ -79,11 +89,13 @@ class SkinDecorations:
         if known != self._known:
             self._known = known
             self._thread = self._new_thread(self._thread)
-            self._hooks, self._old_hooks = None, self._hooks or self._old_hooks
+            self._hooks = None
 
     def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, time_slice: TimeSlice) -> None:
         """Draw a frame; a part that cannot be drawn is left out, and so is, for now, one that the turn puts off."""
         epoch = self.source.epoch_at(time)
+        if time_slice.soon and is_large(self.source.shape(epoch)) and not time_slice.has(self._prepared(epoch)):
+            return
         ready = time_slice.begins(not self._edge.knows(epoch))
         self._tubes(where, "edge", "Wound edge", 6, ready, lambda: self._edge.tubes(time))
         self._marks.until = self._thread.until = time_slice.until
@@ -98,6 +110,29 @@ class SkinDecorations:
         self._draw_landmarks(where, time, look.show_landmarks)
         self._draw_vessels(where, time, look.show_vessels)
 
+    def prepare(self, epoch: SkinEpoch) -> None:
+        """Find what drawing an epoch takes longest to find; touches nothing of Blender's."""
+        rest = self.source.rest(epoch)
+        self._searches.chains(epoch)
+        self._searches.skin_and_rim(epoch, len(rest))
+        if self.source.manifest.sutures:
+            self._searches.near(epoch, rest)
+        if self._marks.rides_on(epoch):
+            self._searches.bites(epoch, rest)
+        if has_wound(epoch):
+            if self._bed is None:
+                self._bed = DeepBed(self.source)
+            self._bed.underside(epoch)
+            if self._bed_edges is None:
+                self._bed_edges = mesh_edges(self._bed.triangles, len(self._bed))
+
+    def _prepared(self, epoch: SkinEpoch) -> MadeSoon[None]:
+        """What is made ready for an epoch; anew where an edit asks for more."""
+        wanted = (epoch.name, bool(self.source.manifest.sutures), self._marks.rides_on(epoch))
+        if wanted not in self._preparing:
+            self._preparing[wanted] = MadeSoon(partial(self.prepare, epoch))
+        return self._preparing[wanted]
+
     def _draw_vessels(self, where: Where, time: float, wanted: bool) -> None:
         for kind in VESSEL_KINDS:
             tubes = VesselTubes(self.source, kind)
@@ -106,12 +141,13 @@ class SkinDecorations:
         self._tubes(where, "lumen", "Vessels: lumen", 12, wanted, partial(lumen.tubes, time))
 
     def _new_thread(self, before: SutureThread | None) -> SutureThread:
-        return SutureThread(self.source, self._axes[0] + 0.6 * self._axes[1], self._scale, before=before)
+        return SutureThread(
+            self.source, self._axes[0] + 0.6 * self._axes[1], self._scale, before=before, searches=self._searches
+        )
 
     def _steel(self) -> HookSteel:
         if self._hooks is None:
-            known = self._old_hooks
-            self._hooks = HookSteel(self.source, self._axes, self.field.center, self._scale, known)
+            self._hooks = HookSteel(self.source, self._axes, self.field.center, self._scale, self._searches)
         return self._hooks
 
     def _tubes(self, where: Where, role: str, name: str, sides: int, wanted: bool, tubes: Callable[[], Tubes]) -> None:
@@ -131,7 +167,7 @@ class SkinDecorations:
         bed = self._bed
         points = bed.positions(time) * np.float32(where.units)
         made_for = f"bed {self.source.manifest.epochs[0].key}"
-        if _topology(target.data, made_for, points, bed.triangles):
+        if _topology(target.data, made_for, points, bed.triangles, self._bed_edges):
             set_attribute(target.data, "rest", "FLOAT_VECTOR", "POINT", bed.rest.astype(np.float32))
 
     def _draw_landmarks(self, where: Where, time: float, wanted: bool) -> None:
@@ -177,20 +213,20 @@ def _part(where: Where, role: str, name: str, wanted: bool) -> bpy.types.Object 
     return target
 
 
-def _topology(mesh: bpy.types.Mesh, made_for: str, points: NDArray[np.float32], triangles: NDArray[np.int32]) -> bool:
+def _topology(
+    mesh: bpy.types.Mesh,
+    made_for: str,
+    points: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    edges: MeshEdges | None = None,
+) -> bool:
     """Set positions, and the triangles too where the mesh is not the one of that name yet (True)."""
     if mesh.get(TOPOLOGY) == made_for and len(mesh.vertices) == len(points):
         mesh.attributes["position"].data.foreach_set("vector", points.ravel())
         mesh.update()
         return False
     mesh.clear_geometry()
-    mesh.vertices.add(len(points))
-    mesh.loops.add(3 * len(triangles))
-    mesh.polygons.add(len(triangles))
-    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(triangles, np.int32).ravel())
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
-    mesh.vertices.foreach_set("co", points.ravel())
-    mesh.update(calc_edges=True)
+    fill_mesh(mesh, points, triangles, edges)
     mesh[TOPOLOGY] = made_for
     return True
 

@@ -15,6 +15,7 @@ from lappet.background.manifest import Manifest
 
 from ..look.skin_import import set_attribute
 from ..look.skin_material import TRANSLUCENT
+from ..model.made_soon import MadeSoon
 from ..model.units import mm_per_unit
 from ..solving import frames
 from ..solving.shown_frame import Shown
@@ -31,7 +32,7 @@ from .display_collection import (
     place,
     set_visible,
 )
-from .epoch_mesh import find_epoch_mesh, remove_unused, set_layer_rows, take_epoch_mesh
+from .epoch_mesh import find_epoch_mesh, is_large, remove_unused, set_layer_rows, soon_arrays, take_epoch_mesh
 from .legend import show_legend
 from .look_materials import (
     dress,
@@ -52,7 +53,8 @@ _said: set[str] = set()
 _decorations: dict[int, SkinDecorations] = {}
 _boxes: dict[str, NDArray[np.float64]] = {}
 _rendering: set[int] = set()
-_unfinished: set[int] = set()
+_unfinished: dict[int, TimeSlice] = {}
+_making: dict[int, tuple[str, MadeSoon[SkinDecorations]]] = {}
 LABEL_SIZE, LABEL_GAP = 5.0, 4.0  # mm
 
 
@@ -75,11 +77,11 @@ def show(scene: bpy.types.Scene, time: float, soon: bool | None = None) -> None:
     if soon is None:
         soon = not bpy.app.background and not _rendering
     time_slice = TimeSlice(soon)
-    _unfinished.discard(scene.session_uid)
+    _unfinished.pop(scene.session_uid, None)
     try:
         _show(scene, time, time_slice)
         if time_slice.unfinished:
-            _unfinished.add(scene.session_uid)
+            _unfinished[scene.session_uid] = time_slice
     except Exception as error:  # a handler that raises would stop a render
         line = f"The solved skin of {scene.name} cannot be shown at frame {time:g}: {type(error).__name__}: {error}"
         if line not in _said:
@@ -89,10 +91,12 @@ def show(scene: bpy.types.Scene, time: float, soon: bool | None = None) -> None:
 
 def continue_drawing() -> bool:
     """Do a turn of what was put off; whether some is left."""
-    for scene in bpy.data.scenes:
-        if scene.session_uid in _unfinished:
-            show(scene, scene.frame_current, soon=True)
-    _unfinished.intersection_update(scene.session_uid for scene in bpy.data.scenes)
+    scenes = {scene.session_uid: scene for scene in bpy.data.scenes}
+    for uid, time_slice in list(_unfinished.items()):
+        if uid not in scenes:
+            del _unfinished[uid]
+        elif all(each.done for each in time_slice.waits_for):
+            show(scenes[uid], scenes[uid].frame_current, soon=True)
     return bool(_unfinished)
 
 
@@ -131,6 +135,7 @@ def tidy() -> None:
 def clear_all() -> None:
     """Before another file is loaded: nothing that is kept here belongs to it."""
     _decorations.clear()
+    _making.clear()
     _said.clear()
     _unfinished.clear()
 
@@ -174,6 +179,32 @@ def decorations_of(scene: bpy.types.Scene, shown: Shown) -> SkinDecorations:
     if before is not None and before.source.manifest.key == shown.manifest.key:
         return before
 
+    key, soon = _making.pop(scene.session_uid, ("", None))
+    made = soon.take() if soon is not None and key == shown.manifest.key else None
+    if made is None:
+        made = SkinDecorations(_source_of(scene, shown), before)
+    else:
+        made.source.read_events(scene)
+    _decorations[scene.session_uid] = made
+    return made
+
+
+def _is_made(scene: bpy.types.Scene, shown: Shown, time_slice: TimeSlice) -> bool:
+    """Whether `decorations_of` answers at once; what it waits for is begun on a thread where somebody looks on."""
+    before = _decorations.get(scene.session_uid)
+    if not time_slice.soon or not is_large(shown.epoch):
+        return True
+    if before is not None and before.fits(shown.manifest):
+        return True
+    making = _making.get(scene.session_uid)
+    if making is None or making[0] != shown.manifest.key:
+        source = _source_of(scene, shown)
+        making = shown.manifest.key, MadeSoon(lambda: SkinDecorations(source))
+        _making[scene.session_uid] = making
+    return time_slice.has(making[1])
+
+
+def _source_of(scene: bpy.types.Scene, shown: Shown) -> ManifestSource:
     uid = scene.session_uid  # undo replaces the scene's data: it is looked for anew each time
 
     def lookup(time: int) -> object:
@@ -186,9 +217,7 @@ def decorations_of(scene: bpy.types.Scene, shown: Shown) -> SkinDecorations:
         same = found is not None and found.manifest.key == shown.manifest.key and found.time == time and not found.stale
         return found.frame if found is not None and same else None
 
-    made = SkinDecorations(ManifestSource(shown.manifest, scene, lookup), before)  # type: ignore[arg-type]
-    _decorations[scene.session_uid] = made
-    return made
+    return ManifestSource(shown.manifest, scene, lookup)  # type: ignore[arg-type]
 
 
 def shown_of(scene: bpy.types.Scene, time: float) -> Shown | None:
@@ -263,6 +292,9 @@ def _draw_skin(
     known = find_epoch_mesh(
         shape, look.show_walls, before.data if before is not None and before.type == "MESH" else None
     )
+    waits = known is None and time_slice.soon and is_large(shape)
+    if waits and not time_slice.has(soon_arrays(shape, look.show_walls, layers)):
+        return before
     if not time_slice.begins(known is None):
         return before
     skin = make_object(where.collection, role, "Lappet skin" if not where.prefix else "Lappet skin beside")
@@ -289,7 +321,9 @@ def _draw_skin(
     set_visible(skin, True)
     if skin.hide_select:
         skin.hide_select = False
-    if time_slice.begins(not is_decorated(source_scene, shown)):
+    made = known is None and is_large(shape)  # was the costly piece of this turn
+    decorated = is_decorated(source_scene, shown) or _is_made(source_scene, shown, time_slice)
+    if decorated and time_slice.begins(made or not is_decorated(source_scene, shown)):
         decorations = decorations_of(source_scene, shown)
         decorations.source.at(float(shown.time), shape, shown.frame)
         decorations.draw(where, float(shown.time), look, time_slice)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..solving import frames
 from . import (
     add_menu,
     cut_operators,
@@ -15,6 +16,7 @@ from . import (
     target_watch,
     timeline_panel,
 )
+from .event_check import begin_rest_space
 
 CLASSES = (
     *hold_operators.CLASSES,
@@ -32,6 +34,7 @@ CLASSES = (
 def register() -> None:
     """Add the part."""
     target_watch.register()
+    frames.subscribe(begin_rest_space)
     add_menu.register()
 
 
@@ -39,4 +42,5 @@ def unregister() -> None:
     """Take it away."""
     add_menu.unregister()
     flap_thumbnails.unregister()
+    frames.unsubscribe(begin_rest_space)
     target_watch.unregister()

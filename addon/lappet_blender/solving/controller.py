@@ -62,7 +62,10 @@ class Job:
 
 @dataclass(eq=False)
 class Live:
-    """A hook is dragged: target in mm as last sent, moved: since live mode began; frame: the latest that came back."""
+    """A hook is dragged: target in mm as last sent, moved: since live mode began; frame: the latest that came back.
+
+    hooks: how many of the frame's hooks events hold, None = all; a hook that a tool still places comes after them.
+    """
 
     hook: str
     event_uid: str
@@ -74,6 +77,12 @@ class Live:
     seconds: float = 0.0
     converged: bool = True
     needs_check: bool = False  # a property has changed: it may be one that the procedure is made of
+    hooks: int | None = None
+
+    @property
+    def placing(self) -> bool:
+        """Whether the hook is still being placed: no event of the scene holds it."""
+        return self.hooks is not None
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from .reconcile import reconcile
 from .solve_jobs import refuse_problems, worst_first
 from .solve_settings import solve_settings
 
-_LEAST_MOVE = 1e-4  # mm
+LEAST_MOVE = 1e-4  # mm
 
 
 def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
@@ -57,6 +57,10 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
         if scene.lappet.solving.live:
             scene.lappet.solving.live = False
         return
+    if live.placing:
+        if scene.frame_current != live.time:
+            stop_live(scene, controller)
+        return
     event = find_event(scene, live.event_uid or live.hook)
     if not scene.lappet.solving.live or event is None or event.target is None or scene.frame_current != live.time:
         stop_live(scene, controller)
@@ -67,7 +71,7 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
             stop_live(scene, controller)
             return
     place = _place(scene, event.target)
-    if live.target is None or math.dist(place, live.target) > _LEAST_MOVE:
+    if live.target is None or math.dist(place, live.target) > LEAST_MOVE:
         live.target, live.moved = place, True
         controller.solver().live_target(live.job, place)
 
@@ -85,6 +89,9 @@ def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool =
         controller.client.cancel(live.job)
     if controller.job is not None and controller.job.number == live.job:
         controller.job.cancelled = True
+    if live.placing:
+        controller.notify()
+        return False
     scene.lappet.solving.live = False
     event = find_event(scene, live.event_uid or live.hook)
     target = None if event is None else event.target

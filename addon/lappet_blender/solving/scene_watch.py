@@ -14,6 +14,7 @@ from bpy.app.handlers import persistent
 
 from ..model import changes, target_samples
 from ..model.migrate import migrate
+from ..model.tissue_values import tissue_is_ready
 from . import workers
 from .chosen_daemon import answer_state
 from .controller import Controller, controller_of, controllers, drop_all, find_controller, manifests, scene_of
@@ -147,11 +148,19 @@ def _undone(*_: object) -> None:
         controller = find_controller(scene)
         if controller is not None:
             stop_live(scene, controller, may_key=False)
+            if _waits(scene):
+                controller.mark_dirty()
+                continue
             with reading():
                 reconcile(scene, controller)
             read.append((scene, controller))
     for scene, controller in read:
         notify_listeners(scene, controller)
+
+
+def _waits(scene: bpy.types.Scene) -> bool:
+    """Whether the tissue is made on a thread now, and the timer reads the scene when it is there."""
+    return not bpy.app.background and not tissue_is_ready(scene)
 
 
 def _before_load(*_: object) -> None:
@@ -172,7 +181,8 @@ def _loaded(*_: object) -> None:
         if manifest is not None:
             controller.past = [manifest]
             controller.recheck_frames(manifest)
-        read_now(scene, ask=False)  # a manifest waits for the timer, or for somebody who solves
+        if not _waits(scene):
+            read_now(scene, ask=False)  # a manifest waits for the timer, or for somebody who solves
         if controller.manifest is None:
             controller.mark_dirty()
 

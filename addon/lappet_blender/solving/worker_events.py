@@ -113,7 +113,8 @@ def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
 def _live(controller: Controller, frame: LiveFrame) -> None:
     live = controller.live
     if live is not None and live.job == frame.job:
-        live.frame, live.seconds, live.converged = frame.frame, frame.seconds, frame.converged
+        shown = frame.frame if live.hooks is None else frame.frame.with_hooks(live.hooks)
+        live.frame, live.seconds, live.converged = shown, frame.seconds, frame.converged
         controller.notify()
 
 

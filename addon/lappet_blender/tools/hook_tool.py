@@ -1,5 +1,6 @@
 """The tools Hook and Retractor: press on the skin and drag to where it is pulled."""
 
+import math
 from typing import Any
 
 import bpy
@@ -9,11 +10,14 @@ from mathutils import Vector
 
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Hook
+from lappet.procedure import Hook, Point
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
+from ..model.event_values import free_name
 from ..model.mesh_values import GROUP, group_names
 from ..model.units import to_mm
+from ..solving.controller import Live
+from ..solving.placed_hook import end_placing, place_live, pull_live
 from ..tissue.face_groups import change_group, remove_group
 from .face_patch import faces_around, free_group_name
 from .preview import Preview, show_preview
@@ -27,6 +31,7 @@ _HINTS = (
     ("EVENT_SHIFT", "Along the normal"),
     ("EVENT_ESC", "Cancel"),
 )
+_LEAST_PULL = 0.5  # mm, from which on the skin follows
 
 
 class _DragTool(SkinModal):
@@ -111,9 +116,41 @@ class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
         name="Stiffness", description="In mN/mm", default=Hook.stiffness, min=0.001, soft_max=5000.0
     )
 
+    def begin(self, context: bpy.types.Context) -> None:
+        super().begin(context)
+        self._live: Live | None = None
+        self._asked = False
+
+    def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        ended = super().moved(context, view)
+        if self.hit is not None and self.pulled_to is not None:
+            self._follow(context, to_mm(context.scene, self.hit.world), to_mm(context.scene, self.pulled_to))
+        return ended
+
+    def _follow(self, context: bpy.types.Context, begin: Point, target: Point) -> None:
+        """Have the skin follow, from the first millimeters on: a click alone asks nothing of the solver."""
+        if not self._asked and math.dist(begin, target) > _LEAST_PULL and self.hit is not None:
+            self._asked = True
+            start, end = self._times(context)
+            name = free_name(context.scene, "HOOK")
+            hook = Hook(name, self.hit.rest, ((start, begin),), start, end, self.stiffness)
+            self._live = place_live(context.scene, hook)
+        if self._live is not None:
+            pull_live(context.scene, self._live, target)
+
+    def abandoned(self, context: bpy.types.Context) -> None:
+        self._let_go()
+
+    def _let_go(self) -> None:
+        live, self._live = self._live, None
+        scene = bpy.data.scenes.get(self._scene)
+        if scene is not None:
+            end_placing(scene, live)
+
     def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
         if self.hit is None:
             return None
+        self._let_go()
         self.anchor = self.hit.rest
         self.begins = to_mm(context.scene, self.hit.world)
         self.target = to_mm(context.scene, self.pulled_to or self.hit.world)

@@ -412,6 +412,23 @@ class SolvedFrame:
         copies.update(correction=no_entries((0, 3), np.float32), landmark_correction=no_entries((0, 3), np.float64))
         return replace(self, **copies, state=None)
 
+    def with_hooks(self, count: int) -> SolvedFrame:
+        """Leave out the hooks that come after the first ones of the program.
+
+        Parameters
+        ----------
+        count
+            How many hooks of `Program.hooks` stay.
+
+        Returns
+        -------
+        SolvedFrame
+            The rest.
+        """
+        kept = self.hook_index < count
+        points, forces = self.hook_points[kept], self.hook_forces[kept]
+        return replace(self, hook_index=self.hook_index[kept], hook_points=points, hook_forces=forces)
+
     def without_scalars(self) -> SolvedFrame:
         """Leave out strain, stress and tension.
 

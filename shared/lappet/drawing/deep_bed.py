@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.drawing.skin_fields import RIM, UNDERSIDE, WOUND_WALL, vertex_normals
-from lappet.drawing.skin_source import SkinSource
+from lappet.drawing.skin_source import SkinEpoch, SkinSource
 from lappet.geometry.closest_point import ClosestPoint
 
 BED_GAP = 0.35
@@ -72,10 +72,7 @@ class DeepBed:
             Its vertices in mm, shape (b, 3).
         """
         epoch = self.source.epoch_at(time)
-        if epoch.name not in self._lower:
-            lower = np.unique(epoch.triangles[epoch.origin == UNDERSIDE])
-            self._lower[epoch.name] = lower, self.source.rest(epoch)[lower]
-        lower, rest = self._lower[epoch.name]
+        lower, rest = self.underside(epoch)
         now = self.source.positions(epoch, time)[lower]
         # What lies where it lay does not press on the bed.
         away = now - rest
@@ -92,6 +89,24 @@ class DeepBed:
         placed = self._base.copy()
         placed[pressed] += (below[pressed, None] * self._down[pressed]).astype(np.float32)
         return placed
+
+    def underside(self, epoch: SkinEpoch) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Find what may press on the bed in an epoch; found once.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+
+        Returns
+        -------
+        tuple[NDArray[np.int32], NDArray[np.float32]]
+            Vertex indices of the underside, shape (u,), and their places at rest in mm, shape (u, 3).
+        """
+        if epoch.name not in self._lower:
+            lower = np.unique(epoch.triangles[epoch.origin == UNDERSIDE])
+            self._lower[epoch.name] = lower, self.source.rest(epoch)[lower]
+        return self._lower[epoch.name]
 
     def _near_wounds(self, middles: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Which of some places (t, 3) lie within `REACH` of where a wound will be, box by box."""

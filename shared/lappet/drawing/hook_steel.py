@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.epoch_searches import EpochSearches
 from lappet.drawing.hook_path import hook_directions, hook_path
-from lappet.drawing.skin_fields import SKIN, WOUND_WALL, SkinNormals
 from lappet.drawing.skin_source import SkinEpoch, SkinSource
 
 
@@ -23,8 +23,8 @@ class HookSteel:
         The middle of the picture in mm, shape (3,).
     scale
         Of all thicknesses.
-    before
-        Hooks of the same epochs; what was found of them is kept.
+    searches
+        What is known of its epochs; None: nothing.
     """
 
     def __init__(
@@ -33,15 +33,13 @@ class HookSteel:
         axes: NDArray[np.float64],
         center: NDArray[np.float64],
         scale: float,
-        before: HookSteel | None = None,
+        searches: EpochSearches | None = None,
     ) -> None:
         self._source, self._normal, self._scale = source, axes[2], scale
         courses = source.hook_courses()
         found = hook_directions(list(courses.values()), center, axes)
         self._directions = dict(zip(courses, found, strict=True))
-        self._held: dict[str, tuple[SkinNormals, NDArray[np.int64], NDArray[np.int32]]] = (
-            {} if before is None else before._held
-        )
+        self._searches = EpochSearches() if searches is None else searches
 
     def knows(self, epoch: SkinEpoch) -> bool:
         """Tell whether a hook was drawn in an epoch before.
@@ -56,7 +54,7 @@ class HookSteel:
         bool
             Whether it was.
         """
-        return epoch.name in self._held
+        return self._searches.knows_skin(epoch)
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
         """Draw the hooks that are active at a frame.
@@ -109,11 +107,8 @@ class HookSteel:
         direction: NDArray[np.float64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The skin's normal at an anchor and the direction to the nearest edge, both (3,) unit."""
-        if epoch.name not in self._held:
-            normals = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
-            border = np.intersect1d(epoch.triangles[epoch.origin == SKIN], epoch.triangles[epoch.origin == WOUND_WALL])
-            self._held[epoch.name] = normals, np.flatnonzero(normals.used), border
-        normals, used, border = self._held[epoch.name]
+        normals = self._searches.normals(epoch, len(points))
+        used, border = self._searches.skin_and_rim(epoch, len(points))
         away = ((points[used] - anchor.astype(np.float32)) ** 2).sum(axis=1)
         nearest = used[np.argpartition(away, min(3, len(away) - 1))[:4]]
         normal = normals.at(points, nearest).sum(axis=0)

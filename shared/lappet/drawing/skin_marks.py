@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.drawing.dashed_line import dashes
-from lappet.drawing.skin_fields import SKIN
+from lappet.drawing.epoch_searches import EpochSearches
 from lappet.drawing.skin_source import SkinEpoch, SkinSource
-from lappet.drawing.suture_bites import Bite, BitesInto, carried
+from lappet.drawing.suture_bites import Bite, carried
 
 INCISION_RADIUS = 0.24
 UNDERMINE_RADIUS = 0.16
@@ -32,10 +32,16 @@ class SkinMarks:
         The solved procedure.
     before
         Marks of the same epochs; where a line is still the same, where it rides is not searched again.
+    searches
+        What is known of its epochs; None: what `before` knows.
     """
 
-    def __init__(self, source: SkinSource, before: SkinMarks | None = None) -> None:
+    def __init__(
+        self, source: SkinSource, before: SkinMarks | None = None, searches: EpochSearches | None = None
+    ) -> None:
         self._source = source
+        own = EpochSearches() if before is None else before._searches
+        self._searches: EpochSearches = own if searches is None else searches
         self._incisions = source.planned_incisions(STEP)
         self._dashes = [dash for area in source.undermined_areas(STEP / 2) for dash in dashes(area)]
         undermined = [e.start for e in source.events if e.kind == "Undermine"]
@@ -45,7 +51,6 @@ class SkinMarks:
         self._courses: dict[str, list[Bite]] = (
             before._courses if before is not None and len(before._courses) < 32 else {}
         )
-        self._into: tuple[str, BitesInto] | None = None
         self.until: float | None = None
         self.unfinished = False
 
@@ -66,6 +71,21 @@ class SkinMarks:
         self.unfinished = False
         lines, radius = self._which(time)
         return self._drawn(time, lines, radius) if lines else ([], [])
+
+    def rides_on(self, epoch: SkinEpoch) -> bool:
+        """Tell whether marks are drawn in an epoch.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+
+        Returns
+        -------
+        bool
+            Whether a frame of it shows some.
+        """
+        return any(self._which(time)[0] for time in epoch.frames)
 
     def _which(self, time: float) -> tuple[list[NDArray[np.float64]], float]:
         whole = self._source.epoch_at(time) is self._source.epochs[0]
@@ -88,12 +108,9 @@ class SkinMarks:
 
     def _find(self, key: str, epoch: SkinEpoch, places: NDArray[np.float64]) -> list[Bite]:
         course = self._courses.setdefault(key, [])
-        if len(course) < len(places) and (self._into is None or self._into[0] != key):
-            skin = epoch.triangles[epoch.origin == SKIN]
-            self._into = key, BitesInto(self._source.rest(epoch), skin)
         while len(course) < len(places):
-            assert self._into is not None
-            course += self._into[1].at(places[len(course) : len(course) + _AT_ONCE])
+            into = self._searches.bites(epoch, self._source.rest(epoch))
+            course += into.at(places[len(course) : len(course) + _AT_ONCE])
             if self.until is not None and monotonic() > self.until:
                 self.unfinished = len(course) < len(places)
                 break

@@ -12,7 +12,8 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.drawing.skin_fields import SKIN, SkinNormals
+from lappet.drawing.epoch_searches import EpochSearches
+from lappet.drawing.skin_fields import SKIN
 from lappet.drawing.skin_source import SkinEpoch, SkinSource
 from lappet.drawing.suture_bites import (
     BITE,
@@ -116,6 +117,8 @@ class SutureThread:
         The sutures that are not drawn; None for those that turn out to be buried.
     before
         The stitches of the same epochs seen from another side; what was found of the epochs is kept.
+    searches
+        What is known of its epochs; None: what `before` knows.
     """
 
     def __init__(
@@ -125,14 +128,14 @@ class SutureThread:
         scale: float,
         hidden: frozenset[int] | None = None,
         before: SutureThread | None = None,
+        searches: EpochSearches | None = None,
     ) -> None:
         self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
         self._stitches: dict[tuple[str, int], Stitch | None] = {}
-        self._normals: dict[str, SkinNormals] = {}
-        self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {}
+        own = EpochSearches() if before is None else before._searches
+        self._searches: EpochSearches = own if searches is None else searches
+        self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {} if before is None else before._near
         self.until: float | None = None
-        if before is not None:
-            self._normals, self._near = before._normals, before._near
         self.unfinished = self._fresh = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
@@ -182,12 +185,10 @@ class SutureThread:
         if not shown:
             return lines
         points = self._source.positions(epoch, time)
-        if epoch.name not in self._normals:
-            self._normals[epoch.name] = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
         pairs = [bite for stitch in shown.values() for bite in stitch.bites]
         bites = carried(pairs, points).reshape(-1, 2, 3)
         at = np.array([bite.vertices for bite in pairs], np.int64)
-        normals = self._normals[epoch.name].at(points, at.ravel()).reshape(-1, 3, 3)
+        normals = self._searches.normals(epoch, len(points)).at(points, at.ravel()).reshape(-1, 3, 3)
         up = np.einsum("kc,kci->ki", np.array([bite.weights for bite in pairs]), normals)
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
         for k, (index, stitch) in enumerate(shown.items()):
@@ -227,7 +228,9 @@ class SutureThread:
             self._fresh = True  # one at least is found every time
             points, _ = self._source.suture_apart(epoch, index)
             if epoch.name not in self._near or self._near[epoch.name][0] is not points:
-                self._near[epoch.name] = points, TrianglesNear(points, epoch.triangles)
+                at_rest = points is self._source.rest(epoch)
+                near = self._searches.near(epoch, points) if at_rest else TrianglesNear(points, epoch.triangles)
+                self._near[epoch.name] = points, near
             near = self._near[epoch.name][1]
             deep = self._hidden is None and suture_buried(self._source, epoch, index, near)
             self._stitches[key] = None if deep else self._made(epoch, index, near)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.drawing.skin_fields import border_chains
+from lappet.drawing.epoch_searches import EpochSearches
 from lappet.drawing.skin_source import SkinEpoch, SkinSource
 
 EDGE_RADIUS = 0.1
@@ -20,11 +20,13 @@ class WoundEdge:
     ----------
     source
         The solved procedure.
+    searches
+        What is known of its epochs; None: nothing.
     """
 
-    def __init__(self, source: SkinSource) -> None:
+    def __init__(self, source: SkinSource, searches: EpochSearches | None = None) -> None:
         self.source = source
-        self._chains: dict[str, list[NDArray[np.int32]]] = {}
+        self._searches = EpochSearches() if searches is None else searches
 
     def knows(self, epoch: SkinEpoch) -> bool:
         """Tell whether the lips of an epoch were found before.
@@ -39,7 +41,7 @@ class WoundEdge:
         bool
             Whether they were.
         """
-        return epoch.name in self._chains
+        return self._searches.knows_chains(epoch)
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """Draw the lips of a frame.
@@ -55,8 +57,6 @@ class WoundEdge:
             Lines, shape (k, 3) each, and their radii, in mm.
         """
         epoch = self.source.epoch_at(time)
-        if epoch.name not in self._chains:
-            self._chains[epoch.name] = border_chains(epoch.triangles, epoch.origin)
         points = self.source.positions(epoch, time)
-        lines = [points[chain].astype(np.float64) for chain in self._chains[epoch.name]]
+        lines = [points[chain].astype(np.float64) for chain in self._searches.chains(epoch)]
         return lines, [EDGE_RADIUS] * len(lines)
