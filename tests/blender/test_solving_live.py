@@ -8,12 +8,15 @@ import pytest
 
 from fake_worker import Script
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.procedure import Hook
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.keyframes import curves_of
 from lappet_blender.solving import controller, frames
+from lappet_blender.solving.placed_hook import end_placing, place_live, pull_live
 from lappet_blender.solving.solve_timer import run_timer
 from refusals import refusal_code
-from solving_steps import QUIET, live_points, states
+from solving_steps import QUIET, live_points, solve, states
 
 pytest_plugins = ("solving_fixtures",)
 
@@ -160,3 +163,61 @@ def test_undo_ends_it(live: bpy.types.Scene, script: Script) -> None:
     assert controller.controller_of(scene).live is None
     run_timer(QUIET)
     assert states(scene) == "ssssssss"
+
+
+HELD = Hook("hook_2", (-2.0, 2.0, 2.0), ((5.0, (-2.0, 2.0, 2.0)),), 5.0, 9.0)
+
+
+def test_the_skin_follows_a_hook_that_is_still_being_placed_and_no_event_is_made(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    solve(patch)
+    patch.frame_set(5)
+    before = frames.shown_at(patch, 5).frame.points
+    placing = place_live(patch, HELD)
+    for z in (3.0, 6.0):
+        pull_live(patch, placing, (-2.0, 2.0, z))
+        for _ in range(4):
+            run_timer()
+        np.testing.assert_allclose(live_points(patch)[0], (-2.0, 2.0, z), atol=1e-6)
+        np.testing.assert_array_equal(frames.shown_at(patch, 5).frame.points, live_points(patch))
+    assert len(patch.lappet.events) == 2
+    assert states(patch) == "ssssssss", "the hook is no part of the scene's procedure"
+    end_placing(patch, placing)
+    run_timer(QUIET)
+    assert live_points(patch) is None
+    assert states(patch) == "ssssssss"
+    np.testing.assert_array_equal(frames.shown_at(patch, 5).frame.points, before)
+    assert not patch.lappet.solving.live
+
+
+def test_a_hook_is_placed_without_the_skin_where_somebody_would_wait_for_it(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    patch.frame_set(5)
+    run_timer(QUIET)
+    assert place_live(patch, HELD) is None, "the frame before is not solved"
+    solve(patch)
+    placing = place_live(patch, HELD)
+    assert placing is not None
+    assert place_live(patch, HELD) is None, "another hook is dragged"
+    patch.frame_set(6)
+    run_timer(QUIET)
+    assert controller.controller_of(patch).live is None, "it went to another frame"
+    pull_live(patch, placing, (0.0, 0.0, 9.0))
+    assert (0.0, 0.0, 9.0) not in script.workers[-1].targets
+    find_event(patch, "hook_1").stiffness = 33.0
+    bpy.ops.lappet.solve()
+    assert place_live(patch, HELD) is None, "a solve is under way"
+
+
+def test_a_frame_without_a_hook_numbers_the_others_as_a_program_without_it() -> None:
+    index = np.array([0, 2, 3], np.int32)
+    frame = SolvedFrame(
+        5.0, np.zeros((1, 3), np.float32), hook_index=index, hook_points=np.eye(3), hook_forces=2.0 * np.eye(3)
+    )
+    left = frame.without_hook(2)
+    assert left.hook_index.tolist() == [0, 2]
+    np.testing.assert_array_equal(left.hook_points, np.eye(3)[[0, 2]])
+    np.testing.assert_array_equal(left.hook_forces, 2.0 * np.eye(3)[[0, 2]])
+    assert frame.without_hook(1).hook_index.tolist() == [0, 1, 2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from importlib import import_module
 from pathlib import Path
 
@@ -32,11 +33,15 @@ def sheet(across: int = ACROSS, along: int = ALONG) -> bpy.types.Object:
     return made
 
 
-def scenario(blender: Driver) -> Steps:
-    """Manifests, shows, solves, edits, undoes; notes the longest calls of each."""
+def scenario(blender: Driver, across: int = ACROSS, along: int = ALONG, patience: float = 1.0) -> Steps:
+    """Manifests, shows, solves, edits, undoes, drags, opens again; notes the longest calls of each.
+
+    patience: how much longer than at 20 000 vertices things may take in the background.
+    """
     yield from prepare(blender)
     frames = import_module(f"{MODULE}.solving.frames")
     display = import_module(f"{MODULE}.display.skin_display")
+    control = import_module(f"{MODULE}.solving.controller")
     pulse, scene = Pulse(blender), bpy.context.scene
 
     def noted(what: str) -> None:
@@ -46,35 +51,50 @@ def scenario(blender: Driver) -> Steps:
         pulse.begin()
 
     def states() -> list[str]:
-        return [frames.frame_state(bpy.context.scene, time) for time in range(1, END + 1)]
+        return [frames.frame_state(bpy.context.scene, frame) for frame in range(1, END + 1)]
+
+    def read() -> bool:
+        return control.controller_of(bpy.context.scene).dirty_since is None
 
     scene.frame_end = END
-    made = sheet()
-    blender.expect(len(made.data.vertices) > 20_000, f"the skin has {len(made.data.vertices)} vertices")
+    made = sheet(across, along)
+    uv = made.data.uv_layers.new(name="UVMap", do_init=False)  # to lay it out flat takes seconds, once, and it has to
+    x, y = (np.array([vertex.co[k] for vertex in made.data.vertices]) for k in (0, 1))
+    corner = np.empty(len(made.data.loops), np.int32)
+    made.data.loops.foreach_get("vertex_index", corner)
+    uv.uv.foreach_set("vector", (np.stack([x, y], axis=1)[corner] * 0.01).astype(np.float32).ravel())
+    blender.expect(len(made.data.vertices) == across * along, f"the skin has {len(made.data.vertices)} vertices")
     with blender.override():
         bpy.ops.lappet.tissue_set(object="sheet", thickness=5.0, spacing=2.0)
+    blender.notes["making it the tissue"] = pulse.words()
+    pulse.begin()
+    yield from blender.wait_until(read, 60.0 * patience, "it is read")
+    yield 1.0
+    noted("reading the tissue")
     flap = [height(x, y) for x, y in ((-14, -8), (-2, 8), (12, 8), (12, -8))]
     bpy.ops.lappet.incision_add(points=[{"name": "", "co": p} for p in flap], time=2.0, kerf=0.2)
     bpy.ops.lappet.hook_add(anchor=height(-1, 5), target=(-2, 6, 6), start=3.0, arrive=3.0)
     for x in (0.0, 4.0, 8.0):
         bpy.ops.lappet.suture_add(first=height(x, 7.6), second=height(x, 8.4), start=5, duration=3)
+    noted("adding events")
     bpy.ops.ed.undo_push(message="Procedure")
     yield from blender.show_tab("Lappet")
     pulse.begin()
-    yield from blender.wait_until(lambda: frames.manifest_of(scene) is not None, 90.0, "it is listed")
-    yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 30.0, "its skin is shown")
+    yield from blender.wait_until(lambda: frames.manifest_of(scene) is not None, 90.0 * patience, "it is listed")
+    yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 30.0 * patience, "its skin is shown")
     yield 3.0
     noted("listing and the first picture")
-    for time in range(2, END + 1):
-        scene.frame_set(time)
+    for frame in range(2, END + 1):
+        scene.frame_set(frame)
         yield 0.5
+    yield 2.0 * patience
     noted("every epoch for the first time")
     bpy.ops.lappet.solve("INVOKE_DEFAULT")
-    yield from blender.wait_until(lambda: set(states()) == {"solved"}, 200.0, "it is solved")
+    yield from blender.wait_until(lambda: set(states()) == {"solved"}, 200.0 * patience, "it is solved")
     yield 1.0
     noted("solving")
-    for time in (*range(END, 0, -1), *range(1, END + 1)):
-        scene.frame_set(time)
+    for frame in (*range(END, 0, -1), *range(1, END + 1)):
+        scene.frame_set(frame)
         yield 0.3
     noted("scrubbing")
     yield from blender.screenshot("large")
@@ -82,14 +102,52 @@ def scenario(blender: Driver) -> Steps:
     pulse.begin()
     next(event for event in scene.lappet.events if event.kind == "HOOK").stiffness = 90.0
     bpy.ops.ed.undo_push(message="Softer")
-    yield from blender.wait_until(lambda: "stale" in states(), 60.0, "an edit makes frames stale")
+    yield from blender.wait_until(lambda: "stale" in states(), 60.0 * patience, "an edit makes frames stale")
     yield 3.0
     noted("an edit")
     yield from blender.move(blender.within(0.5, 0.5))
     yield from blender.key("Z", ctrl=True)
-    yield from blender.wait_until(lambda: set(states()) == {"solved"}, 3.0, "Ctrl-Z brings the frames back")
+    yield from blender.wait_until(lambda: set(states()) == {"solved"}, 3.0 * patience, "Ctrl-Z brings the frames back")
     yield 2.0
     noted("undo")
+    yield from dragging(blender, pulse, 2.0 * patience)
+    noted("live dragging")
+    bpy.ops.lappet.live()
+    yield 1.0
+    pulse.begin()
+    bpy.ops.lappet.point_move(event="incision_1", index=1, co=height(-2.5, 8))
+    yield 3.0
+    noted("moving a point")
+    path = str(blender.folder / "large.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    pulse.begin()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    yield from blender.wait_until(read, 60.0 * patience, "opened again, it is read")
+    yield 3.0
+    noted("opening the file")
+
+
+def dragging(blender: Driver, pulse: Pulse, seconds: float) -> Steps:
+    """Live: the hook's target goes up and down for a while; notes how many updates came."""
+    control = import_module(f"{MODULE}.solving.controller")
+    scene = bpy.context.scene
+    scene.lappet.active_event = next(i for i, event in enumerate(scene.lappet.events) if event.kind == "HOOK")
+    scene.frame_set(5)
+    pulse.begin()
+    bpy.ops.lappet.live()
+    live = control.controller_of(scene).live
+    yield from blender.wait_until(lambda: live.frame is not None, 90.0, "live: the skin is there")
+    target, updates, last = scene.lappet.events[scene.lappet.active_event].target, 0, live.frame
+    begun = time.monotonic()
+    while time.monotonic() - begun < seconds + 3.0:
+        target.location.z = 5.0 + 2.0 * np.sin(2.0 * (time.monotonic() - begun))
+        yield 0.02
+        if live.frame is not last:
+            updates, last = updates + 1, live.frame
+    took = time.monotonic() - begun
+    blender.notes["live updates"] = f"{updates / took:.1f} a second; the last took {live.seconds:.3f} s"
+    print(blender.notes["live updates"], flush=True)
+    blender.expect(updates > 2, f"live: {updates} updates in {took:.1f} s")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,8 @@ class Pulse:
     """Measures from `begin` on.
 
     gap: the longest time between two turns of Blender's loop, drawing included, wall clock, s. longest: by name the
-    longest call of Lappet's timer, of showing a frame, of the lines of the plan and of undo, the thread's own time, s.
+    longest call of Lappet's timer, of showing a frame, of the lines of the plan, of an operator, of undo and of opening
+    a file, the thread's own time, s.
     """
 
     def __init__(self, blender: Driver) -> None:
@@ -31,10 +32,14 @@ class Pulse:
         self.begin()
         for module, name in _WATCHED:
             self._watch(import_module(f"{MODULE}.{module}"), name)
-        for handlers in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
+        operators = import_module(f"{MODULE}.interface.operator_base").OperatorBase
+        timed = self._timed(operators.execute, "operator")
+        operators.execute = lambda self, context: timed(self, context)  # Blender counts what a method takes
+        after = bpy.app.handlers
+        for name, handlers in (("undo", after.undo_post), ("undo", after.redo_post), ("opening", after.load_post)):
             for index, handler in enumerate(handlers):
                 if handler.__module__.startswith(MODULE):
-                    handlers[index] = bpy.app.handlers.persistent(self._timed(handler, "undo"))
+                    handlers[index] = bpy.app.handlers.persistent(self._timed(handler, name))
         bpy.app.timers.register(self._beat, persistent=True)
 
     def begin(self) -> None:

@@ -64,7 +64,7 @@ class Job:
 class Live:
     """A hook is dragged: target in mm as last sent, moved: since live mode began; frame: the latest that came back.
 
-    hooks: how many of the frame's hooks events hold, None = all; a hook that a tool still places comes after them.
+    placing: a tool still places the hook; no event of the scene holds it, and the frame is kept without it.
     """
 
     hook: str
@@ -77,12 +77,7 @@ class Live:
     seconds: float = 0.0
     converged: bool = True
     needs_check: bool = False  # a property has changed: it may be one that the procedure is made of
-    hooks: int | None = None
-
-    @property
-    def placing(self) -> bool:
-        """Whether the hook is still being placed: no event of the scene holds it."""
-        return self.hooks is not None
+    placing: bool = False
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from .live_hook import LEAST_MOVE, stop_live
 from .reconcile import reconcile
 from .scene_watch import reading
 
-_QUICK = 0.05  # seconds; a scene that took longer to read is not read while the mouse waits
+_QUICK = 0.1  # seconds; a scene that took longer to read is not read while the mouse waits
 
 
 def place_live(scene: bpy.types.Scene, hook: Hook) -> Live | None:
@@ -32,16 +32,13 @@ def place_live(scene: bpy.types.Scene, hook: Hook) -> Live | None:
     procedure = controller.procedure
     if procedure is None or not controller.key or not _starts_from_known(scene, time):
         return None
-    manifest, others = controller.newest(), sum(1 for event in procedure.events if isinstance(event, Hook))
-    if manifest is None or len(manifest.hooks) != others:
-        return None
     asked = replace(procedure, events=(*procedure.events, hook))
     try:
         number = controller.solver().live(asked, controller.settings, time, hook.name)
     except (RuntimeError, OSError):
         return None  # who solves is told why
     controller.job = Job(number, "live", f"live {number}", asked, controller.settings)
-    controller.live = Live(hook.name, "", time, number, target=hook.targets[0][1], hooks=others)
+    controller.live = Live(hook.name, "", time, number, target=hook.targets[0][1], placing=True)
     controller.notify()
     notify_listeners(scene, controller)
     return controller.live

@@ -61,7 +61,7 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
             manifests.assessments[job.key] = event.assessment
             controller.notify()
         case LiveFrame():
-            _live(controller, event)
+            _live(controller, job, event)
         case Finished():
             _finished(controller, job, event)
 
@@ -110,12 +110,15 @@ def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
     controller.notify()
 
 
-def _live(controller: Controller, frame: LiveFrame) -> None:
+def _live(controller: Controller, job: Job, frame: LiveFrame) -> None:
     live = controller.live
-    if live is not None and live.job == frame.job:
-        shown = frame.frame if live.hooks is None else frame.frame.with_hooks(live.hooks)
-        live.frame, live.seconds, live.converged = shown, frame.seconds, frame.converged
-        controller.notify()
+    if live is None or live.job != frame.job:
+        return
+    shown = frame.frame
+    if live.placing and job.manifest is not None and live.hook in job.manifest.hooks:
+        shown = shown.without_hook(job.manifest.hooks.index(live.hook))
+    live.frame, live.seconds, live.converged = shown, frame.seconds, frame.converged
+    controller.notify()
 
 
 def _finished(controller: Controller, job: Job, finished: Finished) -> None:

@@ -412,22 +412,23 @@ class SolvedFrame:
         copies.update(correction=no_entries((0, 3), np.float32), landmark_correction=no_entries((0, 3), np.float64))
         return replace(self, **copies, state=None)
 
-    def with_hooks(self, count: int) -> SolvedFrame:
-        """Leave out the hooks that come after the first ones of the program.
+    def without_hook(self, number: int) -> SolvedFrame:
+        """Leave out a hook, as a program without it numbers the others.
 
         Parameters
         ----------
-        count
-            How many hooks of `Program.hooks` stay.
+        number
+            Its number in `Program.hooks`.
 
         Returns
         -------
         SolvedFrame
             The rest.
         """
-        kept = self.hook_index < count
+        kept = self.hook_index != number
+        index = self.hook_index[kept]
         points, forces = self.hook_points[kept], self.hook_forces[kept]
-        return replace(self, hook_index=self.hook_index[kept], hook_points=points, hook_forces=forces)
+        return replace(self, hook_index=index - (index > number), hook_points=points, hook_forces=forces)
 
     def without_scalars(self) -> SolvedFrame:
         """Leave out strain, stress and tension.

@@ -56,19 +56,20 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
     uv = flat * (arc / np.maximum(np.linalg.norm(flat, axis=1), 1e-300))[:, None]
 
     edges = unique_edges(directed_edges(triangles))[0]
-    a, b = edges.T
+    a, b = np.ascontiguousarray(edges.T)
     length = np.linalg.norm(points[a] - points[b], axis=1)
     weight = 1.0 / np.maximum(length, 1e-9 * length.max())
     total = np.bincount(a, weight, len(points)) + np.bincount(b, weight, len(points))
+    u, v = np.ascontiguousarray(uv[:, 0]), np.ascontiguousarray(uv[:, 1])
+    stiff = 0.5 * weight
     for _ in range(_ROUNDS):
-        along = uv[b] - uv[a]
-        size = np.maximum(np.linalg.norm(along, axis=1), 1e-300)
-        pull = (0.5 * weight * (size - length) / size)[:, None] * along
-        step = np.stack(
-            [np.bincount(a, pull[:, k], len(points)) - np.bincount(b, pull[:, k], len(points)) for k in range(2)],
-            axis=1,
-        )
-        uv = uv + 1.6 * step / total[:, None]
+        across, up = u[b] - u[a], v[b] - v[a]
+        size = np.maximum(np.sqrt(across * across + up * up), 1e-300)
+        pull = stiff * (size - length) / size
+        along, upward = pull * across, pull * up
+        u = u + 1.6 * (np.bincount(a, along, len(u)) - np.bincount(b, along, len(u))) / total
+        v = v + 1.6 * (np.bincount(a, upward, len(v)) - np.bincount(b, upward, len(v))) / total
+    uv = np.stack([u, v], axis=1)
     return np.asarray(uv) if _whole(uv, points, triangles) else _without_turned(uv, chord, points, triangles)
 
 
