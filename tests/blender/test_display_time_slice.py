@@ -7,7 +7,7 @@ import time
 import bpy
 import pytest
 
-from lappet_blender.display import skin_display, time_slice
+from lappet_blender.display import epoch_mesh, skin_display, time_slice
 from lappet_blender.display.display_collection import ROLE, find_collection
 from lappet_blender.solving import frames
 from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved
@@ -87,3 +87,38 @@ def test_an_undo_between_two_slices_loses_nothing(listed: bpy.types.Scene, monke
         pass
     skin_display.refresh(scene)
     assert {"skin", "edge", "bed"} <= visible(scene)
+
+
+def test_a_large_skin_is_made_on_threads_and_is_the_one_that_is_made_at_once(
+    listed: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(time_slice, "SECONDS", 0.0)
+    monkeypatch.setattr(epoch_mesh, "_LARGE", 0)
+    skin_display.refresh_soon(listed)
+    end, turns = time.monotonic() + 60.0, 0
+    while skin_display.continue_drawing() and time.monotonic() < end:
+        time.sleep(0.002)
+        turns += 1
+    assert turns > 5
+    assert {"skin", "edge", "bed"} <= visible(listed)
+    made = skin_display.skin_object(listed).data
+    at_once = epoch_mesh.build_epoch_mesh(frames.shown_at(listed, slit.LIFTED).epoch)
+    assert not made.validate()
+    for name in ("rest", "origin", "face", "grid", "depth", "UVMap"):
+        assert values(made, name) == values(at_once, name), name
+    assert sharp(made) == sharp(at_once)
+
+
+def values(mesh: bpy.types.Mesh, name: str) -> list[float]:
+    """The numbers of an attribute."""
+    attribute = mesh.attributes[name]
+    kind, size = {"FLOAT_VECTOR": ("vector", 3), "FLOAT2": ("vector", 2)}.get(attribute.data_type, ("value", 1))
+    found = [0.0] * (size * len(attribute.data))
+    attribute.data.foreach_get(kind, found)
+    return found
+
+
+def sharp(mesh: bpy.types.Mesh) -> set[tuple[int, ...]]:
+    """The edges that are sharp, by their ends."""
+    marked = mesh.attributes["sharp_edge"].data
+    return {tuple(sorted(edge.vertices)) for edge in mesh.edges if marked[edge.index].value}

@@ -7,8 +7,9 @@ show one epoch at once (variants side by side) therefore have one each.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import bpy
 import numpy as np
@@ -23,7 +24,7 @@ from ..look.mesh_edges import MeshEdges, between_kinds, mesh_edges
 from ..look.skin_import import build_mesh, set_attribute
 from ..look.solid_texture import TILE, lay
 from ..model.made_soon import MadeSoon
-from .skin_colors import flesh
+from .time_slice import TimeSlice
 
 KEY = "lappet_epoch"
 _ROWS_FOR = "lappet_layer_rows"
@@ -33,33 +34,30 @@ _ROWS_FOR = "lappet_layer_rows"
 class EpochArrays:
     """What is found out before a mesh is made of an epoch.
 
-    triangles, origin: (m, 3), (m,), of those that are shown. edges, sharp: theirs, (e,). tiles: (3m, 2), places on the
-    grid's picture. kept: (M,) which triangles of the epoch are shown.
+    triangles, origin, face: (m, 3), (m,), (m,), of those that are shown. edges, sharp: theirs, (e,). grid, tiles:
+    (3m, 2), places on the grid in mm and on its picture.
     """
 
     triangles: NDArray[np.int32]
     origin: NDArray[np.int32]
     edges: MeshEdges
     sharp: NDArray[np.bool_]
+    face: NDArray[np.int32]
+    grid: NDArray[np.float32]
     tiles: NDArray[np.float32]
-    kept: NDArray[np.bool_]
 
 
 _LARGE = 8000  # triangles from which on arrays are found on a thread where somebody looks on
 _MOST_KEPT = 8
 _arrays: OrderedDict[tuple[str, bool], MadeSoon[EpochArrays]] = OrderedDict()
+_building: dict[tuple[str, bool, float], Iterator[bpy.types.Mesh | None]] = {}
 
 
-def soon_arrays(shape: EpochShape, walls: bool, layers: TissueLayers) -> MadeSoon[EpochArrays]:
-    """The arrays of an epoch's mesh, begun on a thread where they are not known, and the colors of its layers."""
+def soon_arrays(shape: EpochShape, walls: bool) -> MadeSoon[EpochArrays]:
+    """The arrays of an epoch's mesh, begun on a thread where they are not known."""
     key = (shape.key, walls)
-
-    def find() -> EpochArrays:
-        flesh(shape, layers)
-        return epoch_arrays(shape, walls)
-
     if key not in _arrays:
-        _arrays[key] = MadeSoon(find)
+        _arrays[key] = MadeSoon(partial(epoch_arrays, shape, walls))
     _arrays.move_to_end(key)
     while len(_arrays) > _MOST_KEPT:
         _arrays.popitem(last=False)
@@ -77,20 +75,46 @@ def epoch_arrays(shape: EpochShape, walls: bool = True) -> EpochArrays:
     triangles, origin = np.ascontiguousarray(shape.triangles[kept], np.int32), shape.origin[kept].astype(np.int32)
     edges = mesh_edges(triangles, len(shape.rest))
     sharp = between_kinds(edges.of_corner, len(edges.ends), origin)
-    tiles = (shape.grid[kept].reshape(-1, 2) / TILE).astype(np.float32)
-    return EpochArrays(triangles, origin, edges, sharp, tiles, kept)
+    face, grid = shape.face[kept].astype(np.int32), shape.grid[kept].reshape(-1, 2)
+    return EpochArrays(triangles, origin, edges, sharp, face, grid, (grid / TILE).astype(np.float32))
 
 
-def take_epoch_mesh(shape: EpochShape, walls: bool, units: float, current: bpy.types.Mesh | None) -> bpy.types.Mesh:
+def take_epoch_mesh(
+    shape: EpochShape, walls: bool, units: float, current: bpy.types.Mesh | None, time_slice: TimeSlice
+) -> bpy.types.Mesh | None:
     """The mesh of an epoch for an object that now shows `current`: that, a free one, or a new one.
 
-    walls: whether it has the faces of wound walls. units: Blender units per mm, of a new one's positions.
+    walls: whether it has the faces of wound walls. units: Blender units per mm, of a new one's positions. None where a
+    new one is put off or not finished in this turn.
     """
     found = find_epoch_mesh(shape, walls, current)
     if found is not None:
         return found
-    begun = _arrays.pop((shape.key, walls), None)
-    return build_epoch_mesh(shape, walls, units, epoch_arrays(shape, walls) if begun is None else begun.take())
+    if time_slice.soon and is_large(shape):
+        return _built_in_turns(shape, walls, units, time_slice)
+    return build_epoch_mesh(shape, walls, units) if time_slice.begins() else None
+
+
+def _built_in_turns(shape: EpochShape, walls: bool, units: float, time_slice: TimeSlice) -> bpy.types.Mesh | None:
+    """The mesh of an epoch once its arrays are found and all its pieces are made; until then None."""
+    key = (shape.key, walls, units)
+    if key not in _building:
+        arrays = soon_arrays(shape, walls)
+        if not time_slice.has(arrays):
+            return None
+        _building.clear()
+        _building[key] = _pieces(shape, walls, units, _arrays.pop((shape.key, walls), arrays).take())
+    while time_slice.begins():
+        try:
+            mesh = next(_building[key])
+        except ReferenceError:  # undo took it away half made
+            del _building[key]
+            time_slice.unfinished = True
+            return None
+        if mesh is not None:
+            del _building[key]
+            return mesh
+    return None
 
 
 def find_epoch_mesh(shape: EpochShape, walls: bool, current: bpy.types.Mesh | None) -> bpy.types.Mesh | None:
@@ -115,26 +139,33 @@ def _whole(mesh: bpy.types.Mesh, shape: EpochShape) -> bool:
     return len(mesh.vertices) == len(shape.rest) and not mesh.is_editmode and "rest" in mesh.attributes
 
 
-def build_epoch_mesh(
-    shape: EpochShape, walls: bool = True, units: float = 0.001, arrays: EpochArrays | None = None
-) -> bpy.types.Mesh:
-    """Make the mesh of an epoch at rest. arrays: `epoch_arrays` of it, found where they are not given.
+def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001) -> bpy.types.Mesh:
+    """Make the mesh of an epoch at rest.
 
     Its attributes are `rest`, `origin`, `face`, `grid`, `depth` and `quantity`, and `UVMap` in tiles of `TILE` mm.
     """
-    found = epoch_arrays(shape, walls) if arrays is None else arrays
-    mesh = build_mesh(mesh_name(shape), shape.rest, found.triangles, units, found.edges)
-    mesh[KEY] = shape.key if walls else f"{shape.key} without walls"
-    set_attribute(mesh, "material_index", "INT", "FACE", found.origin)
-    set_attribute(mesh, "sharp_edge", "BOOLEAN", "EDGE", found.sharp)
-    set_attribute(mesh, "rest", "FLOAT_VECTOR", "POINT", shape.rest)
+    arrays = epoch_arrays(shape, walls)
+    return next(mesh for mesh in _pieces(shape, walls, units, arrays) if mesh is not None)
+
+
+def _pieces(shape: EpochShape, walls: bool, units: float, arrays: EpochArrays) -> Iterator[bpy.types.Mesh | None]:
+    """Make the mesh of an epoch a piece at a time: None after each but the last, which gives the mesh."""
+    mesh = build_mesh(mesh_name(shape), shape.rest, arrays.triangles, units, arrays.edges)
+    mesh[KEY] = ""  # of no epoch yet: `remove_unused` takes one away that is never finished
+    yield None
+    set_attribute(mesh, "material_index", "INT", "FACE", arrays.origin)
+    set_attribute(mesh, "sharp_edge", "BOOLEAN", "EDGE", arrays.sharp)
     set_attribute(mesh, "depth", "FLOAT", "POINT", shape.depth)
     set_attribute(mesh, "quantity", "FLOAT", "POINT", np.zeros(len(shape.rest), np.float32))
-    set_attribute(mesh, "origin", "INT", "FACE", found.origin)
-    set_attribute(mesh, "face", "INT", "FACE", shape.face[found.kept].astype(np.int32))
-    set_attribute(mesh, "grid", "FLOAT2", "CORNER", shape.grid[found.kept])
-    lay(mesh, found.tiles)
-    return mesh
+    set_attribute(mesh, "origin", "INT", "FACE", arrays.origin)
+    yield None
+    set_attribute(mesh, "face", "INT", "FACE", arrays.face)
+    set_attribute(mesh, "grid", "FLOAT2", "CORNER", arrays.grid)
+    yield None
+    lay(mesh, arrays.tiles)
+    set_attribute(mesh, "rest", "FLOAT_VECTOR", "POINT", shape.rest)
+    mesh[KEY] = shape.key if walls else f"{shape.key} without walls"  # now it is whole
+    yield mesh
 
 
 def set_layer_rows(mesh: bpy.types.Mesh, shape: EpochShape, layers: TissueLayers) -> None:

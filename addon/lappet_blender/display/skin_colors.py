@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from lappet.drawing.skin_fields import SKIN
 
 from ..look.skin_import import set_attribute
 from ..look.skin_material import SKIN as SKIN_COLOR
+from ..model.made_soon import MadeSoon
 
 ATTRIBUTE = "Color"
 _STATE = "lappet_color"
@@ -21,6 +24,7 @@ _STEPS = 512
 _LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)
 _base: dict[str, NDArray[np.float32]] = {}
 _inners: dict[str, NDArray[np.int64]] = {}
+_soon: dict[str, MadeSoon[NDArray[np.float32]]] = {}
 _table: list[NDArray[np.float32]] = []
 
 
@@ -70,6 +74,15 @@ def _inner(shape: EpochShape) -> NDArray[np.int64]:
         inner[shape.triangles[shape.origin == SKIN].ravel()] = False
         _inners[shape.key] = np.flatnonzero(inner)
     return _inners[shape.key]
+
+
+def soon_flesh(shape: EpochShape, layers: TissueLayers) -> MadeSoon[NDArray[np.float32]]:
+    """`flesh`, found on a thread."""
+    key = f"{shape.key} {digest(layers).hex()}"
+    if key not in _soon:
+        _soon.clear()
+        _soon[key] = MadeSoon(partial(flesh, shape, layers))
+    return _soon[key]
 
 
 def flesh(shape: EpochShape, layers: TissueLayers) -> NDArray[np.float32]:

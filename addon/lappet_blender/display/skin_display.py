@@ -32,7 +32,7 @@ from .display_collection import (
     place,
     set_visible,
 )
-from .epoch_mesh import find_epoch_mesh, is_large, remove_unused, set_layer_rows, soon_arrays, take_epoch_mesh
+from .epoch_mesh import find_epoch_mesh, is_large, remove_unused, set_layer_rows, take_epoch_mesh
 from .legend import show_legend
 from .look_materials import (
     dress,
@@ -43,7 +43,7 @@ from .look_materials import (
     skin_materials,
 )
 from .manifest_source import ManifestSource, fitting
-from .skin_colors import color_vertices
+from .skin_colors import color_vertices, soon_flesh
 from .skin_decorations import SkinDecorations, Where
 from .solid_shading import suit_shading
 from .time_slice import TimeSlice
@@ -289,16 +289,13 @@ def _draw_skin(
     opacity = TRANSLUCENT if look.show_through else 1.0
     materials = skin_materials(where.collection, look.color, highest, where.units, layers, opacity, where.prefix)
     shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
-    known = find_epoch_mesh(
-        shape, look.show_walls, before.data if before is not None and before.type == "MESH" else None
-    )
-    waits = known is None and time_slice.soon and is_large(shape)
-    if waits and not time_slice.has(soon_arrays(shape, look.show_walls, layers)):
-        return before
-    if not time_slice.begins(known is None):
+    current = before.data if before is not None and before.type == "MESH" else None
+    known = find_epoch_mesh(shape, look.show_walls, current)
+    colors = soon_flesh(shape, layers) if known is None and time_slice.soon and is_large(shape) else None
+    mesh = take_epoch_mesh(shape, look.show_walls, where.units, current, time_slice)
+    if mesh is None or not (colors is None or time_slice.has(colors)):
         return before
     skin = make_object(where.collection, role, "Lappet skin" if not where.prefix else "Lappet skin beside")
-    mesh = take_epoch_mesh(shape, look.show_walls, where.units, skin.data)
     if skin.data != mesh:
         old, skin.data = skin.data, mesh
         if old is not None and old.users == 0 and len(old.vertices) == 0:
@@ -321,7 +318,7 @@ def _draw_skin(
     set_visible(skin, True)
     if skin.hide_select:
         skin.hide_select = False
-    made = known is None and is_large(shape)  # was the costly piece of this turn
+    made = known is None and is_large(shape)  # its colors too are a costly piece
     decorated = is_decorated(source_scene, shown) or _is_made(source_scene, shown, time_slice)
     if decorated and time_slice.begins(made or not is_decorated(source_scene, shown)):
         decorations = decorations_of(source_scene, shown)
