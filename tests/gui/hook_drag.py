@@ -35,7 +35,6 @@ def scenario(blender: Driver) -> Steps:
     """A flap is cut and solved; its tip is pulled by the tool Hook."""
     yield from prepare(blender)
     frames = import_module(f"{MODULE}.solving.frames")
-    control = import_module(f"{MODULE}.solving.controller")
     scene = bpy.context.scene
     scene.frame_end = 12
     with blender.override():
@@ -53,44 +52,7 @@ def scenario(blender: Driver) -> Steps:
 
     yield from blender.set_tool("lappet.hook")
 
-    def drag(name: str, expected: bool, release: str = "RELEASE") -> Steps:
-        """Presses on the skin, pulls it in small steps, waits with the button down, lets go."""
-        view = blender.area().spaces.active.region_3d
-        view.view_location, view.view_distance = (0.0, 0.0, 0.0), 110.0
-        yield 0.3
-        start, end = blender.at(height(4, 4)), blender.at((4, 4, 12))
-        before, began = shown(bpy.context.scene), time.monotonic()
-        far: list[float] = []
-        followed = 0.0
-        yield from blender.move(start)
-        blender.event("LEFTMOUSE", "PRESS")
-        for step in range(1, 41):
-            at = tuple(round(a + (b - a) * step / 40) for a, b in zip(start, end, strict=True))
-            yield from blender.move((at[0], at[1]))
-            yield 0.1
-            far.append(moved(before))
-            if far[-1] > 0.05 and not followed:
-                followed = time.monotonic() - began
-        yield 2.0
-        far.append(moved(before))
-        yield from blender.screenshot(f"hook_{name}")
-        live = control.controller_of(bpy.context.scene).live
-        blender.notes[name] = f"followed after {followed:.1f} s, {far[-1]:.1f} mm; last update took " + (
-            f"{live.seconds:.2f} s" if live is not None else "nothing"
-        )
-        print(blender.notes[name], flush=True)
-        blender.expect(
-            (far[-1] > 1.0) == expected, f"{name}: the skin followed while the button was down: {far[-1]:.1f} mm"
-        )
-        if release == "RELEASE":
-            blender.event("LEFTMOUSE", "RELEASE")
-        else:
-            yield from blender.key(release)
-            blender.event("LEFTMOUSE", "RELEASE")
-        yield 0.3
-        blender.expect(control.controller_of(bpy.context.scene).live is None, f"{name}: it ends with the button")
-
-    yield from drag("unsolved", expected=False)
+    yield from drag(blender, "unsolved", expected=False)
     blender.expect(events()[-1] == "hook_1", "without a solved frame before it a hook is placed as ever")
     yield from blender.key("Z", ctrl=True)
     yield from blender.wait_until(lambda: len(events()) == 1, 2.0, "Ctrl-Z takes it back")
@@ -99,10 +61,10 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.wait_until(lambda: frames.frame_state(scene, 2) == "solved", 90.0, "the frame before is solved")
     yield 1.0
     rest = shown(scene)
-    yield from drag("given_up", expected=True, release="ESC")
+    yield from drag(blender, "given_up", expected=True, release="ESC")
     yield 1.0
     blender.expect(len(events()) == 1 and moved(rest) < 0.01, "Esc leaves no hook, and the skin as it was")
-    yield from drag("pulled", expected=True)
+    yield from drag(blender, "pulled", expected=True)
     hook = last()
     blender.expect(hook.name == "hook_1" and hook.start == 3.0, "it is placed at this frame when the button goes up")
     anchor = np.array(hook.points[0].co)
@@ -116,6 +78,45 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.wait_until(
         lambda: frames.frame_state(bpy.context.scene, 2) == "solved", 3.0, "frames stay solved"
     )
+
+
+def drag(blender: Driver, name: str, expected: bool, release: str = "RELEASE") -> Steps:
+    """Presses on the skin, pulls it in small steps, waits with the button down, lets go."""
+    control = import_module(f"{MODULE}.solving.controller")
+    view = blender.area().spaces.active.region_3d
+    view.view_location, view.view_distance = (0.0, 0.0, 0.0), 110.0
+    yield 0.3
+    start, end = blender.at(height(4, 4)), blender.at((4, 4, 12))
+    before, began = shown(bpy.context.scene), time.monotonic()
+    far: list[float] = []
+    followed = 0.0
+    yield from blender.move(start)
+    blender.event("LEFTMOUSE", "PRESS")
+    for step in range(1, 41):
+        at = tuple(round(a + (b - a) * step / 40) for a, b in zip(start, end, strict=True))
+        yield from blender.move((at[0], at[1]))
+        yield 0.1
+        far.append(moved(before))
+        if far[-1] > 0.05 and not followed:
+            followed = time.monotonic() - began
+    yield 2.0
+    far.append(moved(before))
+    yield from blender.screenshot(f"hook_{name}")
+    live = control.controller_of(bpy.context.scene).live
+    blender.notes[name] = f"followed after {followed:.1f} s, {far[-1]:.1f} mm; last update took " + (
+        f"{live.seconds:.2f} s" if live is not None else "nothing"
+    )
+    print(blender.notes[name], flush=True)
+    blender.expect(
+        (far[-1] > 1.0) == expected, f"{name}: the skin followed while the button was down: {far[-1]:.1f} mm"
+    )
+    if release == "RELEASE":
+        blender.event("LEFTMOUSE", "RELEASE")
+    else:
+        yield from blender.key(release)
+        blender.event("LEFTMOUSE", "RELEASE")
+    yield 0.3
+    blender.expect(control.controller_of(bpy.context.scene).live is None, f"{name}: it ends with the button")
 
 
 if __name__ == "__main__":

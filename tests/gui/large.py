@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
@@ -39,24 +40,48 @@ def scenario(blender: Driver, across: int = ACROSS, along: int = ALONG, patience
     patience: how much longer than at 20 000 vertices things may take in the background.
     """
     yield from prepare(blender)
-    frames = import_module(f"{MODULE}.solving.frames")
-    display = import_module(f"{MODULE}.display.skin_display")
-    control = import_module(f"{MODULE}.solving.controller")
-    pulse, scene = Pulse(blender), bpy.context.scene
-
-    def noted(what: str) -> None:
-        blender.notes[what] = pulse.words()
-        worst = max(pulse.longest.values(), default=0.0)
-        blender.expect(worst < 2 * STALL, f"{what}: {pulse.words()}")
-        pulse.begin()
-
-    def states() -> list[str]:
-        return [frames.frame_state(bpy.context.scene, frame) for frame in range(1, END + 1)]
-
-    def read() -> bool:
-        return control.controller_of(bpy.context.scene).dirty_since is None
-
+    scene = bpy.context.scene
     scene.frame_end = END
+    measured = Measured(blender, patience)
+    yield from made_tissue(measured, across, along)
+    yield from first_pictures(measured)
+    yield from solved(measured)
+    yield from edited(measured)
+    yield from opened(measured)
+
+
+class Measured:
+    """What the parts share. patience: how much longer than at 20 000 vertices things may take in the background."""
+
+    def __init__(self, blender: Driver, patience: float) -> None:
+        self.blender, self.pulse, self.patience = blender, Pulse(blender), patience
+        self.frames = import_module(f"{MODULE}.solving.frames")
+        self.display = import_module(f"{MODULE}.display.skin_display")
+        self.control = import_module(f"{MODULE}.solving.controller")
+
+    def noted(self, what: str) -> None:
+        """Notes the longest calls since the last note."""
+        self.blender.notes[what] = self.pulse.words()
+        worst = max(self.pulse.longest.values(), default=0.0)
+        self.blender.expect(worst < 2 * STALL, f"{what}: {self.pulse.words()}")
+        self.pulse.begin()
+
+    def states(self) -> set[str]:
+        """The states of all frames."""
+        return {self.frames.frame_state(bpy.context.scene, frame) for frame in range(1, END + 1)}
+
+    def read(self) -> bool:
+        """Whether the scene is read as it is now."""
+        return self.control.controller_of(bpy.context.scene).dirty_since is None
+
+    def until(self, condition: Callable[[], bool], seconds: float, sentence: str) -> Steps:
+        """Waits for something that takes longer the more vertices there are."""
+        yield from self.blender.wait_until(condition, seconds * self.patience, sentence)
+
+
+def made_tissue(measured: Measured, across: int, along: int) -> Steps:
+    """A sheet becomes the tissue, and events are placed on it."""
+    blender = measured.blender
     made = sheet(across, along)
     uv = made.data.uv_layers.new(name="UVMap", do_init=False)  # to lay it out flat takes seconds, once, and it has to
     x, y = (np.array([vertex.co[k] for vertex in made.data.vertices]) for k in (0, 1))
@@ -66,65 +91,83 @@ def scenario(blender: Driver, across: int = ACROSS, along: int = ALONG, patience
     blender.expect(len(made.data.vertices) == across * along, f"the skin has {len(made.data.vertices)} vertices")
     with blender.override():
         bpy.ops.lappet.tissue_set(object="sheet", thickness=5.0, spacing=2.0)
-    blender.notes["making it the tissue"] = pulse.words()
-    pulse.begin()
-    yield from blender.wait_until(read, 60.0 * patience, "it is read")
-    yield 1.0
-    noted("reading the tissue")
+    blender.notes["making it the tissue"] = measured.pulse.words()
+    measured.pulse.begin()
+    yield from measured.until(measured.read, 60.0, "it is read")
+    yield 1.0 + measured.patience
+    measured.noted("reading the tissue")
     flap = [height(x, y) for x, y in ((-14, -8), (-2, 8), (12, 8), (12, -8))]
     bpy.ops.lappet.incision_add(points=[{"name": "", "co": p} for p in flap], time=2.0, kerf=0.2)
     bpy.ops.lappet.hook_add(anchor=height(-1, 5), target=(-2, 6, 6), start=3.0, arrive=3.0)
     for x in (0.0, 4.0, 8.0):
         bpy.ops.lappet.suture_add(first=height(x, 7.6), second=height(x, 8.4), start=5, duration=3)
-    noted("adding events")
+    measured.noted("adding events")
     bpy.ops.ed.undo_push(message="Procedure")
-    yield from blender.show_tab("Lappet")
-    pulse.begin()
-    yield from blender.wait_until(lambda: frames.manifest_of(scene) is not None, 90.0 * patience, "it is listed")
-    yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 30.0 * patience, "its skin is shown")
+
+
+def first_pictures(measured: Measured) -> Steps:
+    """The skin is shown, epoch by epoch."""
+    scene = bpy.context.scene
+    yield from measured.blender.show_tab("Lappet")
+    measured.pulse.begin()
+    yield from measured.until(lambda: measured.frames.manifest_of(scene) is not None, 90.0, "it is listed")
+    yield from measured.until(lambda: measured.display.skin_object(scene) is not None, 30.0, "its skin is shown")
     yield 3.0
-    noted("listing and the first picture")
+    measured.noted("listing and the first picture")
     for frame in range(2, END + 1):
         scene.frame_set(frame)
         yield 0.5
-    yield 2.0 * patience
-    noted("every epoch for the first time")
+    yield 2.0 * measured.patience
+    measured.noted("every epoch for the first time")
+
+
+def solved(measured: Measured) -> Steps:
+    """All frames are solved and scrubbed."""
     bpy.ops.lappet.solve("INVOKE_DEFAULT")
-    yield from blender.wait_until(lambda: set(states()) == {"solved"}, 200.0 * patience, "it is solved")
+    yield from measured.until(lambda: measured.states() == {"solved"}, 200.0, "it is solved")
     yield 1.0
-    noted("solving")
+    measured.noted("solving")
     for frame in (*range(END, 0, -1), *range(1, END + 1)):
-        scene.frame_set(frame)
+        bpy.context.scene.frame_set(frame)
         yield 0.3
-    noted("scrubbing")
-    yield from blender.screenshot("large")
+    measured.noted("scrubbing")
+    yield from measured.blender.screenshot("large")
+
+
+def edited(measured: Measured) -> Steps:
+    """An edit, its undo, a live drag, a point that moves."""
+    blender, scene, pulse = measured.blender, bpy.context.scene, measured.pulse
     bpy.ops.ed.undo_push(message="Solved")
     pulse.begin()
     next(event for event in scene.lappet.events if event.kind == "HOOK").stiffness = 90.0
     bpy.ops.ed.undo_push(message="Softer")
-    yield from blender.wait_until(lambda: "stale" in states(), 60.0 * patience, "an edit makes frames stale")
+    yield from measured.until(lambda: "stale" in measured.states(), 60.0, "an edit makes frames stale")
     yield 3.0
-    noted("an edit")
+    measured.noted("an edit")
     yield from blender.move(blender.within(0.5, 0.5))
     yield from blender.key("Z", ctrl=True)
-    yield from blender.wait_until(lambda: set(states()) == {"solved"}, 3.0 * patience, "Ctrl-Z brings the frames back")
+    yield from measured.until(lambda: measured.states() == {"solved"}, 3.0, "Ctrl-Z brings the frames back")
     yield 2.0
-    noted("undo")
-    yield from dragging(blender, pulse, 2.0 * patience)
-    noted("live dragging")
+    measured.noted("undo")
+    yield from dragging(blender, pulse, 2.0 * measured.patience)
+    measured.noted("live dragging")
     bpy.ops.lappet.live()
     yield 1.0
     pulse.begin()
     bpy.ops.lappet.point_move(event="incision_1", index=1, co=height(-2.5, 8))
     yield 3.0
-    noted("moving a point")
-    path = str(blender.folder / "large.blend")
+    measured.noted("moving a point")
+
+
+def opened(measured: Measured) -> Steps:
+    """The file is saved and opened again."""
+    path = str(measured.blender.folder / "large.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
-    pulse.begin()
+    measured.pulse.begin()
     bpy.ops.wm.open_mainfile(filepath=path)
-    yield from blender.wait_until(read, 60.0 * patience, "opened again, it is read")
+    yield from measured.until(measured.read, 60.0, "opened again, it is read")
     yield 3.0
-    noted("opening the file")
+    measured.noted("opening the file")
 
 
 def dragging(blender: Driver, pulse: Pulse, seconds: float) -> Steps:

@@ -46,7 +46,7 @@ def corner_normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) ->
     own, other = face[corner // 3], face[neighbor // 3]
     alike = np.einsum("ij,ij->i", own, other) >= _CREASE
     owner, turned = corner[alike], (angle[neighbor, None] * other)[alike]
-    normals = np.stack([np.bincount(owner, turned[:, k], len(vertex)) for k in range(3)], axis=1)
+    normals: NDArray[np.float64] = np.stack([np.bincount(owner, turned[:, k], len(vertex)) for k in range(3)], axis=1)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-300), np.repeat(face, 3, axis=0))
     return normals.reshape(-1, 3, 3)
