@@ -86,12 +86,13 @@ def scenario(blender: Driver) -> Steps:
         yield 1.0
         yield from blender.wait_until(lambda: frames.manifest_of(scene) is not None, 120.0, f"{cells} cells: listed")
         bpy.ops.lappet.solve("INVOKE_DEFAULT")
-        solved = lambda: frames.frame_state(scene, 4) == "solved"  # noqa: E731
+        controller = control.controller_of(scene)
+        solved = lambda: frames.frame_state(scene, 4) == "solved" and controller.job is None  # noqa: E731
         yield from blender.wait_until(solved, 200.0, f"{cells} cells: solved")
         scene.frame_set(4)
         scene.lappet.active_event = 1
         yield 1.0
-        yield from pulled(blender, control.controller_of(scene), cells)
+        yield from pulled(blender, controller, cells)
         bpy.ops.lappet.live()
         yield 2.0
     yield from blender.screenshot("live_rate")
