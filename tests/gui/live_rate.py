@@ -81,12 +81,12 @@ def scenario(blender: Driver) -> Steps:
     bpy.ops.lappet.incision_add(points=[{"name": "", "co": p} for p in flap], time=2.0, kerf=0.2)
     bpy.ops.lappet.hook_add(anchor=height(4, 5), target=(4, 6, 6), start=3.0, arrive=1.0)
     yield from blender.show_tab("Lappet")
+    controller = control.controller_of(scene)
     for cells, spacing in SPACINGS.items():
         scene.lappet.tissue.spacing = spacing
         yield 1.0
         yield from blender.wait_until(lambda: frames.manifest_of(scene) is not None, 120.0, f"{cells} cells: listed")
         bpy.ops.lappet.solve("INVOKE_DEFAULT")
-        controller = control.controller_of(scene)
         solved = lambda: frames.frame_state(scene, 4) == "solved" and controller.job is None  # noqa: E731
         yield from blender.wait_until(solved, 200.0, f"{cells} cells: solved")
         scene.frame_set(4)
