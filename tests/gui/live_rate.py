@@ -124,7 +124,7 @@ def pulled(blender: Driver, controller: Any, timer: TimerCost, cells: str) -> St
     yield 1.0
     target, last, took = scene.lappet.events[1].target, live.frame, []
     converged, costs, begun = 0, Costs(controller.client.worker, timer), time.monotonic()
-    target.location.z = 6.0
+    target.location.z = 6.0 + 8.0 * STEP
     while time.monotonic() - begun < SECONDS or len(took) < UPDATES:
         yield 0.01
         if live.frame is not last:
