@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
+import pytest
 
 import lappet_blender
 from fake_worker import Script
 from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
-from lappet_blender.solving import controller, frames, solve_settings, workers
+from lappet_blender.solving import controller, frames, scene_watch, solve_settings, workers
 from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve, states
 
@@ -166,3 +167,20 @@ def test_the_folders_for_the_workers_path_hold_what_it_imports() -> None:
         assert any((folder / name).is_dir() for folder in folders), name
     assert any(list(folder.glob("manifold3d*")) for folder in folders)
     assert len(set(folders)) == len(folders)
+
+
+def test_an_opened_file_whose_tissue_is_still_made_is_read_by_the_timer(
+    patch: bpy.types.Scene, script: Script, blend: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve(patch)
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    monkeypatch.setattr(scene_watch, "_waits", lambda _scene: True)  # as in a window, with a large tissue
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    assert controller.controller_of(scene).procedure is None, "Blender answers before the tissue is there"
+    run_timer(QUIET)
+    assert states(scene) == "ssssssss"
+    add_event(scene, "SUTURE", start=5, points=[(2, -1, 2), (2, 1, 2)])
+    bpy.ops.ed.undo_push(message="sewn")
+    run_timer(QUIET)
+    assert "t" in states(scene)

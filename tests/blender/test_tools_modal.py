@@ -92,7 +92,7 @@ def test_clicks_and_an_end_make_the_cut_and_clean_up(context: Any, end: str) -> 
     tool = Tool(context)
     assert click(tool, context, (-80, 0)) == RUNNING
     assert click(tool, context, (80, 30)) == RUNNING
-    assert context.said["header"] == "Incision at frame 1: 2 points, 16.3 mm"
+    assert context.said["header"] == "Incision at frame 1: 16.3 mm, points: 2"
     assert preview_of(context.scene) is not None
     assert tool.modal(context, event(end)) == {"FINISHED"}
     assert tool.cut == [(-8.0, 0.0, 0.0), (8.0, 3.0, 0.0)]

@@ -11,6 +11,7 @@ import pytest
 from mathutils import Matrix, Vector
 
 from lappet_blender.tools import shown_surface as shown
+from lappet_blender.tools import surface_trees
 from lappet_blender.tools.fragment import fragment_of
 from lappet_blender.tools.handles import TARGET, handles_of, nearest_handle
 from lappet_blender.tools.plan_lines import plan_key
@@ -321,3 +322,23 @@ def test_pulling_along_a_normal_ends_where_it_is_nearest_to_the_ray() -> None:
     place = nearest_on_line(Vector((1, 2, 0)), Vector((0, 0, 3)), Vector((11, 2, 7)), Vector((-1, 0.3, 0)))
     assert (place - Vector((1, 2, 7))).length < 1e-6
     assert nearest_on_line(Vector((1, 2, 0)), Vector((0, 0, 1)), Vector((5, 5, 5)), Vector((0, 0, -1))).z == 0
+
+
+def test_a_large_surface_is_searched_as_a_small_one(scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    dome_tissue(scene, 41)
+    rest = shown.shown_surface(scene).rest
+    near = rest.points[::7] + np.random.default_rng(3).normal(scale=0.4, size=rest.points[::7].shape)
+    small = {skin_only: rest.locate(near, skin_only) for skin_only in (True, False)}
+    monkeypatch.setattr(shown, "_LARGE", 0)
+    monkeypatch.setattr(surface_trees, "_PART", 300)
+    large = shown.RestShape(rest.points, rest.triangles, rest.origin, rest.face)
+    end = time.monotonic() + 20.0
+    while not large.is_ready and time.monotonic() < end:
+        time.sleep(0.01)
+    assert large.is_ready
+    for skin_only, located in small.items():
+        found = large.locate(near, skin_only)
+        assert np.allclose(large.at(found), rest.at(located), atol=1e-5)
+        if skin_only:
+            assert np.isin(found.triangle, rest.skin).all()
+    assert (large.blocks.order == rest.blocks.order).all()

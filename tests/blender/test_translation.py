@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -132,3 +133,11 @@ def test_blender_gets_each_message_for_labels_and_for_buttons(addon: None) -> No
     panels = {each.bl_translation_context for each in classes() if issubclass(each, SidebarPanel)}
     assert panels == {"Lappet"}
     assert made["de_DE"]["*", "Timeline"] == "Zeitleiste"
+
+
+def test_values_of_a_sentence_stand_in_all_its_translations() -> None:
+    with_values = [message for message in messages() if "{" in message]
+    assert len(with_values) >= 15
+    for message in with_values:
+        names = sorted(re.findall(r"{(\w+)}", message))
+        assert all(sorted(re.findall(r"{(\w+)}", text)) == names for text in messages()[message]), message

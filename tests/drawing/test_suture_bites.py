@@ -7,7 +7,18 @@ import pytest
 
 import synthetic_skin_cache as synthetic
 from lappet.drawing.skin_fields import SKIN
-from lappet.drawing.suture_bites import BITE, Bite, Lip, TrianglesNear, bites_at, buried, find_bites, find_lip, inward
+from lappet.drawing.suture_bites import (
+    BITE,
+    Bite,
+    Lip,
+    TrianglesNear,
+    _reachable,
+    bites_at,
+    buried,
+    find_bites,
+    find_lip,
+    inward,
+)
 from lappet.geometry.skin_shape import depth_below_skin
 
 
@@ -89,3 +100,22 @@ def test_a_suture_is_buried_where_an_end_lies_on_the_wall_in_the_depth_even_unde
     folded[:, 2] += np.where(rest[:, 1] > 0, -2.8, 0.0).astype(np.float32)  # one lip's skin beside the other's wall
     deep = np.array([[3.0, -2.0, -2.8], [3.0, 2.0, -5.6]], np.float32)
     assert buried(folded, triangles, depth, deep)
+
+
+def test_a_lip_is_what_rings_of_triangles_around_its_seed_reach() -> None:
+    random = np.random.default_rng(5)
+    x, y = np.meshgrid(np.linspace(0, 20, 24), np.linspace(0, 20, 24))
+    points = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3).astype(np.float32)
+    at = np.arange(x.size).reshape(x.shape)
+    halves = [(at[:-1, :-1], at[:-1, 1:], at[1:, 1:]), (at[:-1, :-1], at[1:, 1:], at[1:, :-1])]
+    every = np.concatenate([np.stack(half, axis=-1).reshape(-1, 3) for half in halves]).astype(np.int32)
+    for radius in (1.0, 3.0, 7.0):
+        triangles = every[random.random(len(every)) < 0.6]  # holes, so that some of what is near is not joined
+        seed = triangles[random.integers(len(triangles))]
+        near = np.linalg.norm(points - points[seed].mean(axis=0), axis=1) <= radius
+        near[seed] = True
+        member, taken = np.isin(np.arange(len(points)), seed), np.zeros(len(triangles), bool)
+        while (grown := ~taken & (member & near)[triangles].any(axis=1)).any():
+            taken |= grown
+            member[triangles[grown]] = True
+        assert (_reachable(points, triangles, seed, radius) == taken).all()

@@ -110,7 +110,7 @@ def copied(blender: Driver, skin_of: object) -> Steps:
 def windows_and_scenes(blender: Driver, skin_of: object) -> Steps:
     """A second window that shows a second scene."""
     with blender.override():
-        bpy.ops.wm.window_new()
+        bpy.ops.wm.window_new_main()
     yield 1.0
     first, second = bpy.context.window_manager.windows[:2]
     with bpy.context.temp_override(window=first):

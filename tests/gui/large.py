@@ -176,6 +176,7 @@ def dragging(blender: Driver, pulse: Pulse, seconds: float) -> Steps:
     scene = bpy.context.scene
     scene.lappet.active_event = next(i for i, event in enumerate(scene.lappet.events) if event.kind == "HOOK")
     scene.frame_set(5)
+    yield from blender.wait_until(lambda: control.controller_of(scene).job is None, 60.0, "nothing is solved any more")
     pulse.begin()
     bpy.ops.lappet.live()
     live = control.controller_of(scene).live

@@ -105,7 +105,7 @@ class SkinDecorations:
         time_slice.unfinished |= self._thread.unfinished
         wanted = look.show_hooks and time_slice.begins(self._hooks is None or not self._hooks.knows(epoch))
         self._tubes(where, "steel", "Hooks", 12, wanted, lambda: self._steel().tubes(time))
-        if time_slice.begins(self._bed is None and has_wound(epoch)):
+        if time_slice.begins((self._bed is None or self._thread.searched) and has_wound(epoch)):
             self._draw_bed(where, time)
         self._draw_landmarks(where, time, look.show_landmarks)
         self._draw_vessels(where, time, look.show_vessels)

@@ -68,6 +68,7 @@ class LappetMaterial(bpy.types.PropertyGroup):
     )
     fiber_dispersion: FloatProperty(
         name="Dispersion",
+        translation_context="Lappet",  # Blender's own word is that of optics
         description="0 = all fibers along the direction, 1/3 = equally in all directions",
         default=0.0,
         min=0.0,
@@ -254,6 +255,7 @@ class LappetSolving(bpy.types.PropertyGroup):
     )
     precision: choice(
         name="Precision",
+        translation_context="Lappet",
         items=(("float", "Single", "The default"), ("double", "Double", "For reference")),
         default=SolverSettings.precision,
     )

@@ -4,6 +4,7 @@ import bpy
 
 from ..interface.problem_sentence import problem_sentence
 from ..interface.repair_button import draw_repair
+from ..interface.said import said
 from ..interface.sentence_lines import draw_sentence
 from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from .controller import controller_of
@@ -34,7 +35,7 @@ class LAPPET_PT_solve(SidebarPanel, bpy.types.Panel):
             row.operator("lappet.solve", icon="PLAY")
         if progress.running or progress.total:
             _bar(layout, progress.done / max(progress.total, 1), f"{progress.done} / {progress.total}")
-        draw_sentence(layout, context, progress.line if ready else "Make a mesh the tissue first.")
+        draw_sentence(layout, context, progress.line if ready else said("Make a mesh the tissue first."))
 
         _error(layout, context)
 
@@ -46,7 +47,7 @@ class LAPPET_PT_solve(SidebarPanel, bpy.types.Panel):
         if failure is not None:
             box = layout.box()
             if failure.time is not None:
-                box.operator("lappet.failure_show", text=f"Frame {failure.time} failed", icon="ERROR")
+                box.operator("lappet.failure_show", text=said("Frame {frame} failed", frame=failure.time), icon="ERROR")
             draw_sentence(box, context, problem_sentence(failure.problem))
         if ready:
             _problems(layout, context)
@@ -93,7 +94,7 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         draw_sentence(box, context, f"{problem.message} {problem.remedy}".rstrip())
     more = len(problems) - _MOST_PROBLEMS
     if more > 0:
-        layout.label(text=f"and {more} more")
+        layout.label(text=said("and {count} more", count=more))
 
 
 def _error(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -101,11 +102,12 @@ def _error(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     error = error_of(context.scene, context.scene.frame_current)
     if error is None:
         return
+    greatest = f"{error.greatest:.2g}"
     if error.is_trusted:
-        draw_sentence(layout, context, f"Estimated error of this frame: {error.greatest:.2g} mm at most")
+        draw_sentence(layout, context, said("Estimated error of this frame: {error} mm at most", error=greatest))
     else:
-        said = f"This frame is not to be trusted: its estimated error is {error.greatest:.2g} mm"
-        draw_sentence(layout, context, said, "ERROR")
+        doubt = said("This frame is not to be trusted: its estimated error is {error} mm", error=greatest)
+        draw_sentence(layout, context, doubt, "ERROR")
 
 
 def _bar(layout: bpy.types.UILayout, factor: float, text: str) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..interface.duration_text import duration_text
+from ..interface.said import said
 from ..model.tissue_size import cell_count
 from .controller import Controller, Job
 from .frame_states import count_states
@@ -59,18 +60,21 @@ def _solving(controller: Controller, job: Job) -> Progress:
     elif job.manifest is not None:
         seconds = _expected(controller, left)
     if job.cancelled:
-        line = "Stopping after this iteration; what is solved is kept"
+        line = said("Stopping after this iteration; what is solved is kept")
     elif job.manifest is None:
-        line = "Preparing the cuts and the lattice"
+        line = said("Preparing the cuts and the lattice")
     elif job.settings.correction and 0 < job.total <= job.done:
-        line = f"{job.total} frames; estimating the error"
+        line = said("{total} frames; estimating the error", total=job.total)
     else:
-        line = f"{job.done} of {job.total} frames"
+        line = said("{done} of {total} frames", done=job.done, total=job.total)
         if not math.isnan(job.time):
-            line += f"; frame {job.time:g}, iteration {job.newton}"
+            line += "; " + said("frame {frame}, iteration {iteration}", frame=f"{job.time:g}", iteration=job.newton)
         if not math.isnan(seconds) and left:
-            line += f"; {duration_text(seconds)} left"
+            line += "; " + said("{duration} left", duration=duration_text(seconds))
     return Progress(True, False, job.done, job.total, job.time, job.newton, job.residual, seconds, line, "solve")
+
+
+_OTHERS = {"stale": "{count} stale", "failed": "{count} failed"}
 
 
 def _expected(controller: Controller, frames: int) -> float:
@@ -82,13 +86,13 @@ def _expected(controller: Controller, frames: int) -> float:
 
 def _idle_line(controller: Controller, counts: dict, seconds: float) -> str:
     if controller.newest() is None:
-        return "Preparing the cuts" if controller.listing is not None else "Nothing is solved yet"
+        return said("Preparing the cuts" if controller.listing is not None else "Nothing is solved yet")
     total = sum(counts.values())
-    words = [f"{counts['solved']} of {total} frames solved"]
-    words += [f"{counts[state]} {state}" for state in ("stale", "failed") if counts[state]]
+    words = [said("{solved} of {total} frames solved", solved=counts["solved"], total=total)]
+    words += [said(_OTHERS[state], count=counts[state]) for state in _OTHERS if counts[state]]
     line = ", ".join(words)
     if controller.listing is not None:
-        return f"{line}; preparing the cuts anew"
+        return f"{line}; " + said("preparing the cuts anew")
     if not math.isnan(seconds):
         line += f"; {duration_text(seconds)}"
     return line
@@ -98,6 +102,7 @@ def _live_line(controller: Controller) -> str:
     live = controller.live
     assert live is not None
     if live.frame is None:
-        return f"Live: move the target of {live.hook}"
-    rate = f"{1.0 / live.seconds:.1f} frames a second" if live.seconds > 0.0 else "at once"
-    return f"Live: {live.hook}, {rate}" + ("" if live.converged else ", still settling")
+        return said("Live: move the target of {hook}", hook=live.hook)
+    rate = f"{1.0 / live.seconds:.1f}" if live.seconds > 0.0 else "∞"
+    settling = "" if live.converged else ", " + said("still settling")
+    return said("Live: {hook}, {rate} frames a second", hook=live.hook, rate=rate) + settling

@@ -6,6 +6,7 @@ from lappet.core.problem import Problem
 
 from ..interface.duration_text import duration_text
 from ..interface.repair_button import draw_repair
+from ..interface.said import said
 from ..interface.sentence_lines import draw_sentence
 from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from ..model.scene_procedure import SceneReading, read_scene
@@ -166,7 +167,9 @@ def _lattice(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     cells, seconds = cell_count(scene), expected_seconds(scene)
     if cells is not None and seconds is not None:
         frames = scene.frame_end - scene.frame_start + 1
-        column.label(text=f"About {round(cells, -2):,.0f} cells; {frames} frames: {duration_text(seconds)}")
+        pattern, count = "About {cells} cells; {frames} frames: {duration}", f"{round(cells, -2):,.0f}"
+        text = said(pattern, cells=count, frames=frames, duration=duration_text(seconds))
+        column.label(text=text)
 
 
 def _bones(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:

@@ -7,6 +7,7 @@ from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
 
 from ..events.add_events import add_excision, add_landmark
 from ..events.operator_values import given
+from ..interface.said import said
 from .fragment import fragment_of
 from .preview import Preview, show_preview
 from .shown_surface import shown_surface
@@ -43,7 +44,8 @@ class _ClickTool(SkinModal):
         return self.execute(context)
 
     def text(self, context: bpy.types.Context) -> str:
-        return f"{self.title} at frame {context.scene.frame_current}: {self._said}click on the skin"
+        pattern, frame = "{tool} at frame {frame}: {note}click on the skin", context.scene.frame_current
+        return said(pattern, tool=said(self.title), frame=frame, note=self._said)
 
 
 def _point() -> object:

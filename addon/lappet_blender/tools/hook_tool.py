@@ -13,6 +13,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Point
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
+from ..interface.said import said
 from ..model.event_values import free_name
 from ..model.mesh_values import GROUP, group_names
 from ..model.units import to_mm
@@ -71,9 +72,10 @@ class _DragTool(SkinModal):
 
     def text(self, context: bpy.types.Context) -> str:
         if self.hit is None or self.pulled_to is None:
-            return f"{self.title}: {self._said}press on the skin and drag"
+            return said("{tool}: {note}press on the skin and drag", tool=said(self.title), note=self._said)
         way = Vector(to_mm(context.scene, self.pulled_to - self.hit.world))
-        return f"{self.title} from frame {context.scene.frame_current}: {way.length:.1f} mm"
+        pattern, frame = "{tool} from frame {frame}: {length} mm", context.scene.frame_current
+        return said(pattern, tool=said(self.title), frame=frame, length=f"{way.length:.1f}")
 
     def _times(self, context: bpy.types.Context) -> tuple[float, float]:
         """Start and release, as given or from the current frame to after the scene's end."""

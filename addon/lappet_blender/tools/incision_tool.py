@@ -10,6 +10,7 @@ from lappet.procedure import Incision
 
 from ..events.add_events import add_incision, add_undermining
 from ..events.operator_values import given, places
+from ..interface.said import said
 from ..model.event_kinds import BASES, BASIS_OF
 from ..model.event_properties import LappetPoint
 from .drawing import LineDrawing, Point
@@ -113,11 +114,15 @@ class _LineTool(SkinModal):
     def text(self, context: bpy.types.Context) -> str:
         line, surface = self.drawing.preview(), shown_surface(context.scene, context.space_data)
         if line is None or surface is None:
-            return f"{self.title}: {self._said}click on the skin, or draw"
+            return said("{tool}: {note}click on the skin, or draw", tool=said(self.title), note=self._said)
         length = line_length(surface.rest, line.points, line.basis, line.closed) if len(line.points) > 1 else 0.0
         count = len(self.drawing.points)
         frame = context.scene.frame_current
-        return f"{self.title} at frame {frame}: {self._said}{count} point{'s' * (count != 1)}, {length:.1f} mm"
+        pattern, values = (
+            "{tool} at frame {frame}: {note}{length} mm, points: {count}",
+            {"frame": frame, "count": count},
+        )
+        return said(pattern, tool=said(self.title), note=self._said, length=f"{length:.1f}", **values)
 
     def _show(self, context: bpy.types.Context) -> None:
         line = self.drawing.preview()

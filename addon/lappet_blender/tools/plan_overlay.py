@@ -31,13 +31,14 @@ from .plan_lines import (
     event_color,
     plan_key,
 )
-from .preview import Preview, preview_of
+from .preview import Preview, preview_of, redraw
 from .shown_surface import ShownSurface, shown_surface
 from .view_under_mouse import project, viewer_of
 
 EDIT_TOOL = "lappet.edit"
 _WHITE: Color = (1.0, 1.0, 1.0, 1.0)
 _TINT: Color = (1.0, 0.45, 0.2, 0.35)
+_POLL = 0.1  # seconds
 _handlers: list[Any] = []
 _kept: dict[str, tuple[Any, LineSet]] = {}
 
@@ -56,6 +57,8 @@ def unregister() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(each, "WINDOW")
     _handlers.clear()
     _kept.clear()
+    if bpy.app.timers.is_registered(_once_ready):
+        bpy.app.timers.unregister(_once_ready)
 
 
 def plan_lines(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", done: bool = True) -> LineSet:
@@ -92,13 +95,32 @@ def _plans(context: bpy.types.Context) -> bool:
     return tool is not None and tool.idname.startswith("lappet.") and not context.screen.is_animation_playing
 
 
+def _surface(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D) -> ShownSurface | None:
+    """The surface that is drawn on; None too while its searches are made, and then views are drawn anew."""
+    surface = shown_surface(scene, viewport)
+    if surface is None or surface.rest.is_ready:
+        return surface
+    if not bpy.app.timers.is_registered(_once_ready):
+        bpy.app.timers.register(_once_ready, first_interval=_POLL)
+    return None
+
+
+def _once_ready() -> float | None:
+    """Draw views anew once the surface of the scene that they show is ready."""
+    surface = shown_surface(bpy.context.scene)
+    if surface is not None and not surface.rest.is_ready:
+        return _POLL
+    redraw()
+    return None
+
+
 def _draw_lines() -> None:
     context = bpy.context
     scene = context.scene
     preview = preview_of(scene)
     if not _shows(context) or not (scene.lappet.look.show_plan or preview):
         return
-    surface = shown_surface(scene, context.space_data)
+    surface = _surface(scene, context.space_data)
     if surface is None:
         return
     gpu.state.blend_set("ALPHA")
@@ -148,7 +170,7 @@ def _draw_points() -> None:
     preview = preview_of(scene)
     if not _shows(context) or data is None or not (scene.lappet.look.show_plan or preview):
         return
-    surface = shown_surface(scene, context.space_data)
+    surface = _surface(scene, context.space_data)
     if surface is None:
         return
     size = (region.width, region.height)

@@ -13,7 +13,6 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import FaceOrigin
@@ -22,10 +21,13 @@ from lappet.procedure import Tissue
 from lappet.tissue.surface import skin_faces
 
 from ..display.skin_display import skin_object
+from ..model.made_soon import MadeSoon
 from ..model.mesh_values import GROUP
 from ..model.units import mm_per_unit
 from .surface_ray import SurfaceBlocks, SurfaceRay
+from .surface_trees import SurfaceTrees
 
+_LARGE = 60_000  # triangles from which on searches are made on a thread: Blender's trees take 0.3 s at 400 000
 _LABELS = ("fixed", "bed", "rim", "underside")
 
 
@@ -46,10 +48,28 @@ class RestShape:
     origin: NDArray[np.uint8]
     face: NDArray[np.int32]
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether the searches answer at once; where they would not, they are begun on a thread."""
+        return len(self.triangles) < _LARGE or self._searches.done
+
+    @cached_property
+    def _searches(self) -> MadeSoon[tuple[SurfaceBlocks, SurfaceTrees, SurfaceTrees]]:
+        return MadeSoon(self._make_searches)
+
+    def _make_searches(self) -> tuple[SurfaceBlocks, SurfaceTrees, SurfaceTrees]:
+        blocks = SurfaceBlocks(self.points, self.triangles)
+        on_skin = np.zeros(len(self.triangles), bool)
+        on_skin[self.skin] = True
+        skin = blocks.order[on_skin[blocks.order]]
+        whole = SurfaceTrees(self.points, self.triangles, blocks.order)
+        return blocks, SurfaceTrees(self.points, self.triangles, skin), whole
+
     @cached_property
     def blocks(self) -> SurfaceBlocks:
         """The order in which rays try the triangles."""
-        return SurfaceBlocks(self.points, self.triangles)
+        large = len(self.triangles) >= _LARGE
+        return self._searches.take()[0] if large else SurfaceBlocks(self.points, self.triangles)
 
     @cached_property
     def skin(self) -> NDArray[np.int64]:
@@ -58,20 +78,21 @@ class RestShape:
         return skin if len(skin) else np.arange(len(self.triangles))
 
     @cached_property
-    def _skin_tree(self) -> BVHTree:
-        return _tree(self.points, self.triangles[self.skin])
+    def _skin_trees(self) -> SurfaceTrees:
+        large = len(self.triangles) >= _LARGE
+        return self._searches.take()[1] if large else SurfaceTrees(self.points, self.triangles[self.skin])
 
     @cached_property
-    def _whole_tree(self) -> BVHTree:
-        return _tree(self.points, self.triangles)
+    def _whole_trees(self) -> SurfaceTrees:
+        large = len(self.triangles) >= _LARGE
+        return self._searches.take()[2] if large else SurfaceTrees(self.points, self.triangles)
 
     def locate(self, points: NDArray[np.float64], skin_only: bool = True) -> Located:
         """The nearest places to rest points (k, 3), mm, on the skin or on the whole surface."""
-        tree = self._skin_tree if skin_only else self._whole_tree
-        found = [tree.find_nearest(point) for point in np.asarray(points, np.float64).reshape(-1, 3).tolist()]
-        index = np.array([0 if triangle is None else triangle for _, _, triangle, _ in found], np.int64)
-        place = np.array([(0.0, 0.0, 0.0) if at is None else tuple(at) for at, _, _, _ in found]).reshape(-1, 3)
-        triangle = self.skin[index] if skin_only else index
+        trees = self._skin_trees if skin_only else self._whole_trees
+        index, place = trees.nearest(np.asarray(points, np.float64).reshape(-1, 3).tolist())
+        in_skin = skin_only and len(self.triangles) < _LARGE  # those of a large surface number all triangles
+        triangle = self.skin[index] if in_skin else index
         return Located(triangle, barycentric(place, self.points[self.triangles[triangle]]))
 
     def at(self, located: Located) -> NDArray[np.float64]:
@@ -170,10 +191,6 @@ def shown_surface(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None
     surface = ShownSurface(rest, positions, solved, key, mm)
     _shown[scene.name] = surface
     return surface
-
-
-def _tree(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> BVHTree:
-    return BVHTree.FromPolygons(points.tolist(), triangles.tolist(), all_triangles=True)
 
 
 def _read_rest(scene: bpy.types.Scene, mesh: bpy.types.Mesh, here_mm: NDArray[np.float64]) -> RestShape:

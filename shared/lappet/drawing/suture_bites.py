@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from lappet.drawing.skin_fields import SKIN, WOUND_WALL
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.connected_parts import parts_of
 
 BITE = 1.3
 BURIED_DEPTH = 0.4
@@ -258,15 +259,15 @@ def _reachable(
     corners, seed_at = corners.reshape(-1, 3), np.searchsorted(used, seed)
     near = np.linalg.norm(positions[used] - positions[seed].mean(axis=0), axis=1) <= radius
     near[seed_at] = True
-    member = np.zeros(len(used), bool)
-    member[seed_at] = True
+    inside = near[corners]
+    touched = np.flatnonzero(inside.any(axis=1))
+    # Parts of what is near alone: a corner beyond the radius counts as one of its triangle's that is not.
+    own, first = inside[touched], inside[touched].argmax(axis=1)
+    joined = np.where(own, corners[touched], np.take_along_axis(corners[touched], first[:, None], axis=1))
+    part = parts_of(joined, len(used))
     taken = np.zeros(len(triangles), bool)
-    while True:
-        grown = ~taken & (member & near)[corners].any(axis=1)
-        if not grown.any():
-            return taken
-        taken |= grown
-        member[corners[grown].ravel()] = True
+    taken[touched] = part == part[(joined == seed_at[0]).any(axis=1).argmax()]
+    return taken
 
 
 def find_lip(
@@ -330,8 +331,7 @@ def inward(positions: NDArray[np.float32], lip: Lip, at: NDArray[np.float64], re
     NDArray[np.float64]
         A unit vector, shape (3,).
     """
-    p = positions.astype(np.float64)
-    a, b, c = (p[lip.disk[:, k]] for k in range(3))
+    a, b, c = (positions[lip.disk[:, k]].astype(np.float64) for k in range(3))
     face = np.cross(b - a, c - a)
     area = np.linalg.norm(face, axis=1)
     normal = _unit(face.sum(axis=0))
@@ -339,8 +339,9 @@ def inward(positions: NDArray[np.float32], lip: Lip, at: NDArray[np.float64], re
     into = middle - at
     into -= (into @ normal) * normal
     if len(lip.edges):
-        along = p[lip.edges[:, 1]] - p[lip.edges[:, 0]]
-        away = np.linalg.norm(p[lip.edges].mean(axis=1) - at, axis=1)
+        ends = positions[lip.edges].astype(np.float64)
+        along = ends[:, 1] - ends[:, 0]
+        away = np.linalg.norm(ends.mean(axis=1) - at, axis=1)
         length = np.maximum(np.linalg.norm(along, axis=1), 1e-9)
         weight = np.exp(-((away / reach) ** 2)) / length
         spread, axes = np.linalg.eigh(np.einsum("i,ij,ik->jk", weight, along, along))

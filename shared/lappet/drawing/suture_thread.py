@@ -138,6 +138,11 @@ class SutureThread:
         self.until: float | None = None
         self.unfinished = self._fresh = False
 
+    @property
+    def searched(self) -> bool:
+        """Whether the last drawing had to find where a stitch bites, which takes long."""
+        return self._fresh
+
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """Draw the thread and knots of a frame.
 
@@ -168,7 +173,7 @@ class SutureThread:
             Lines in mm, shape (k, 3) each, by the index of the suture and the number of the line: 0 is the thread, 1
             the knot's coil, 2 and 3 are its tails.
         """
-        self.unfinished = False
+        self.unfinished = self._fresh = False
         sutures, sliding = self._source.sutures(time), self._source.threads(time)
         lines = self._over_skin(time, sliding)  # the skin hides what runs in the tissue
         active = [
@@ -180,7 +185,6 @@ class SutureThread:
             return lines
         epoch = self._source.epoch_at(time)
         until = np.inf if self.until is None else self.until
-        self._fresh = False
         shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
         if not shown:
             return lines
