@@ -102,6 +102,16 @@ REGIONAL_FLAPS = {
             scar=(44.0, 6.0),
         ),
         RegionalFlap(
+            "web_five_flap",
+            "the first web space of a hand",
+            "web-space",
+            "five-flap-z-plasty",
+            (-447.0, 259.5, 167.0),
+            (-1.0, 0.1, 0.1),
+            {"limb": 8.0},
+            "The web is not contracted, and nothing below its skin keeps it thick.",
+        ),
+        RegionalFlap(
             "cheek_limberg",
             "the cheek",
             "cheek",
@@ -211,6 +221,15 @@ REGIONAL_FLAPS = {
             (-1.0, 0.0, -0.22),
             {"width": 7.0, "height": 1.1, "limb": 0.85, "burow": 0.0},
             "The lip is skin on a bed: it has no muscle and no red inside.",
+        ),
+        RegionalFlap(
+            "ala_crescentic",
+            "the cheek beside the ala",
+            "midface",
+            "crescentic",
+            (-11.0, 143.0, 686.0),
+            (-1.0, -0.5, 0.0),
+            {"width": 6.0, "height": 1.0, "radius": 8.0, "sweep": 100.0, "crescent": 3.0},
         ),
         RegionalFlap(
             "cheek_island",

@@ -17,6 +17,7 @@ from lappet.procedure.events import (
     Retractor,
     Section,
     Suture,
+    Thin,
     Traction,
     Undermine,
 )
@@ -94,6 +95,7 @@ __all__ = [
     "SuturePattern",
     "SutureRun",
     "Tissue",
+    "Thin",
     "Traction",
     "Undermine",
     "Vessel",

@@ -26,6 +26,7 @@ from lappet.procedure import (
     Suture,
     SutureMode,
     SutureRun,
+    Thin,
     Traction,
     Undermine,
 )
@@ -39,6 +40,7 @@ EVENT_PRIMS = {
     "LappetIncisionAPI": "BasisCurves",
     "LappetExcisionAPI": "Points",
     "LappetUndermineAPI": "BasisCurves",
+    "LappetThinAPI": "BasisCurves",
     "LappetHookAPI": "Xform",
     "LappetRetractorAPI": "Xform",
     "LappetTractionAPI": "Scope",
@@ -66,7 +68,7 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
     match event:
         case Incision():
             prim = curve_prim(stage, usd, path, event.points, event.basis, event.closed)
-        case Undermine():
+        case Undermine() | Thin():
             prim = curve_prim(stage, usd, path, event.points, event.basis, True)
         case Suture():
             prim = curve_prim(stage, usd, path, event.anchors, "linear", False)
@@ -92,6 +94,11 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
                 values.author("direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*event.direction))
         case Excision() | Undermine():
             values.double("time", event.time)
+        case Thin():
+            values.double("time", event.time)
+            values.double("thickness", event.thickness)
+            values.double("dressing", event.dressing)
+            values.double("duration", event.duration)
         case Hook():
             values.author("anchor", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*event.anchor))
             values.double("stiffness", event.stiffness)
@@ -188,6 +195,15 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             if not closed:
                 reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
             return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
+        case "LappetThinAPI":
+            points, basis, closed = read_curve(reader, prim)
+            if not closed:
+                reader.problem(ProblemCode.THIN_OPEN_CURVE, prim.GetPath(), "nonperiodic")
+            time, thickness = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:thickness")
+            dressing = reader.number(prim, "lappet:dressing", Thin.dressing)
+            return Thin(
+                name, time, points, thickness, basis, dressing, reader.number(prim, "lappet:duration", Thin.duration)
+            )
         case "LappetHookAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
             anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
