@@ -29,8 +29,8 @@ _TIMELINE = "/Procedure/Timeline"
 def build_epochs(procedure: Procedure) -> list[Epoch]:
     """Cut the tissue: make the epochs of a procedure, each surface from the one before.
 
-    Incisions, excisions, thinning and undermining at one time make one epoch, in this order; those at or before the start time
-    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
+    Incisions, excisions, thinning and undermining at one time make one epoch, in this order; those at or before the
+    start time belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
 
     Parameters
     ----------

@@ -22,6 +22,7 @@ from lappet.cutting.ribbon import skin_ribbons
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.solid import Label, LabeledSolid, solid_surface
 from lappet.geometry.surface_check import open_edges
+from lappet.geometry.triangles import areas
 from lappet.procedure import Thin
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.rest_skin import RestSkin
@@ -70,13 +71,12 @@ def thin(
     if not parts.within:
         raise refused(ProblemCode.THIN_NO_AREA, prim)
     label = manifold3d.Manifold.reserve_ids(1)
-    solids, area, thickest = [], 0.0, 0.0
+    solids, thickest = [], 0.0
     for part in parts.within:
         sheet = _Sheet.of(part, skin)
         if sheet is None:
             continue
         thickest = max(thickest, float(sheet.thickness.max(initial=0.0)))
-        area += sheet.area
         solids.append(sheet.below(event.thickness, _PAST * spacing, label))
     deep = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add) if solids else manifold3d.Manifold()
     removed = tissue.solid ^ deep
@@ -84,17 +84,13 @@ def thin(
         at = Place.at(*event.points)
         raise refused(ProblemCode.THIN_NOTHING, prim, f"{event.thickness:g}", place=at, thickest=thickest)
     left = tidy(tissue.with_solid(tissue.solid - deep, {label: _UNDER}), spacing, TIDIED * spacing)
-    if event.dressing:
-        left = _marked(left, event.pressed, parts)
-    return left, Removed(event.name, area, float(removed.volume()), *solid_surface(removed))
-
-
-def _marked(tissue: LabeledSolid, name: str, parts: AreaParts) -> LabeledSolid:
-    """The tissue whose skin inside the area is a face subset of that name."""
-    surface = tissue.surface()
+    surface = left.surface()
     inside = surface.origin == FaceOrigin.SKIN
     inside[inside] = parts.contain(surface.points[surface.triangles[inside]].mean(axis=1))
-    return LabeledSolid.from_surface(replace(surface, grips={**surface.grips, name: inside}))
+    area = float(areas(surface.points[surface.triangles[inside]]).sum())
+    if event.dressing:
+        left = LabeledSolid.from_surface(replace(surface, grips={**surface.grips, event.pressed: inside}))
+    return left, Removed(event.name, area, float(removed.volume()), *solid_surface(removed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,12 +111,6 @@ class _Sheet:
         points = part.points[used]
         normals = skin.locate(points).normals
         return cls(points, triangles.reshape(-1, 3).astype(np.int64), normals, skin.thickness(points, normals))
-
-    @property
-    def area(self) -> float:
-        """Its area in mm²."""
-        a, b, c = np.moveaxis(self.points[self.triangles], 1, 0)
-        return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
     def below(self, depth: float, past: float, label: int) -> manifold3d.Manifold:
         """The solid from a depth below the skin to past the underside, all in mm; its faces carry the run id."""

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from lappet.drawing.skin_source import StepEvent
 
-CUTS = ("Incision", "Excision", "Undermine", "Thin")
+CUTS = ("Incision", "Excision", "Undermine")
 PULLS = ("Hook", "Retractor")
 
 

@@ -171,7 +171,7 @@ REGIONAL_FLAPS = {
             "paramedian-forehead",
             (18.5, 139.0, 749.0),  # on the supratrochlear artery
             (0.66, 0.0, 0.75),
-            {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0},
+            {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0, "left": 2.8},
             "Nothing thins the flap, which surgeons do in a stage of its own.",
             mirrored=True,
         ),

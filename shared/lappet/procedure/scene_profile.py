@@ -21,8 +21,8 @@ from lappet.procedure.events import (
     Retractor,
     Section,
     Suture,
-    Traction,
     Thin,
+    Traction,
     Undermine,
 )
 from lappet.procedure.suture_run import SutureRun

@@ -280,9 +280,7 @@ class _AnchorsInTissue:
         ]
         sutures = [
             self._placed(suture, rows, suture.start, end, own)
-            for rows, suture, end in zip(
-                self.events.suture_rows, self.events.sutures, self.ends.tolist(), strict=True
-            )
+            for rows, suture, end in zip(self.events.suture_rows, self.events.sutures, self.ends.tolist(), strict=True)
         ]
         return EventAnchors(hooks, sutures)
 
