@@ -284,6 +284,8 @@ def test_every_tool_runs_from_python_and_is_one_event_of_the_timeline(scene: bpy
     assert (round(cut.depth, 4), round(cut.kerf, 4), len(cut.points)) == (1.5, 0.1, 2)
     ops.draw_undermining(points=points((-5, 1, 0), (5, 1, 0), (0, 9, 0)), time=9.0)
     assert (events[-1].kind, events[-1].start) == ("UNDERMINE", 9.0)
+    ops.draw_thinning(points=points((-5, 1, 0), (5, 1, 0), (0, 9, 0)), time=10.0, thickness=1.5)
+    assert (events[-1].kind, events[-1].start, round(events[-1].thickness, 4)) == ("THIN", 10.0, 1.5)
     ops.place_hook(anchor=(0, 2, 0), begins=(0, 2, 0.5), target=(0, 12, 8), frames=6, stiffness=250.0)
     hook = events[-1]
     assert (hook.kind, hook.start, hook.stiffness) == ("HOOK", 7.0, 250.0)
