@@ -145,7 +145,7 @@ class Thin:
     points: tuple[Point, ...]
     thickness: float
     basis: Basis = "linear"
-    dressing: float = 2.0
+    dressing: float = 1.0
     duration: float = 4.0
 
     def __post_init__(self) -> None:
