@@ -172,8 +172,8 @@ REGIONAL_FLAPS = {
             (18.5, 139.0, 749.0),  # on the supratrochlear artery
             (0.66, 0.0, 0.75),
             {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0, "left": 2.8},
-            "The third stage leaves 2.8 mm of the paddle, as much as the model `nose` has. It makes the paddle lie lower: as "
-            "the model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
+            "The third stage leaves 2.8 mm of the paddle, as the model `nose` has. It makes the paddle lie lower: as the "
+            "model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
             mirrored=True,
         ),
         RegionalFlap(
