@@ -87,7 +87,7 @@ def test_the_second_stage_begins_when_the_first_is_sewn_and_the_pedicle_is_held_
 
 def test_a_third_stage_thins_the_paddle_after_the_second_and_leaves_the_rest() -> None:
     assert not any(isinstance(event, Thin) for event in flap_on_patch(NAME, spacing=2.0).events)
-    procedure = flap_on_patch(NAME, {"left": 2.6, "diameter": 16.0}, spacing=2.0)
+    procedure = flap_on_patch(NAME, {"thinned": 2.6, "diameter": 16.0}, spacing=2.0)
     (thin,) = [event for event in procedure.events if isinstance(event, Thin)]
     runs = [event for event in procedure.events if isinstance(event, SutureRun)]
     assert max(run.start + run.duration for run in runs) < thin.time

@@ -51,7 +51,7 @@ def paramedian_forehead_flap(
     spare: float = 6.0,
     turn: float = 180.0,
     stump: float = 8.0,
-    left: float = 0.0,
+    thinned: float = 0.0,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
@@ -77,7 +77,7 @@ def paramedian_forehead_flap(
         Angle by which the flap turns about the pivot in degrees.
     stump
         Length of what of the pedicle goes back in mm.
-    left
+    thinned
         Thickness of the paddle that a third stage leaves in mm, or 0 for no such stage.
     normal
         Outwards from the skin at the pivot, shape (3,).
@@ -137,7 +137,7 @@ def paramedian_forehead_flap(
             plane.outline(middle + arc(np.zeros(2), r + RIM, 0.0, 360.0)[:-1]),
         ),
         division=_division(plane, flap, middle, stump),
-        thinned=Thinned(plane.points(flap.rim(0.0, 360.0)[:-1]), left) if left > 0.0 else None,
+        thinned=Thinned(plane.points(flap.rim(0.0, 360.0)[:-1]), thinned) if thinned > 0.0 else None,
     )
 
 
@@ -268,7 +268,7 @@ PARAMEDIAN_FOREHEAD = LibraryDesign(
         Parameter("spare", "how much longer the flap is than the distance", "mm", 6.0, 0.0, 25.0, _CHOSEN),
         Parameter("turn", "angle by which the flap turns", "°", 180.0, 120.0, 180.0, "180°: Dhawan and Madan"),
         Parameter("stump", "length of what of the pedicle goes back", "mm", 8.0, 3.0, 20.0, _CHOSEN),
-        Parameter("left", "thickness that a third stage leaves, 0 for none", "mm", 0.0, 0.0, 10.0, _STAGES),
+        Parameter("thinned", "thickness that a third stage leaves, 0 for none", "mm", 0.0, 0.0, 10.0, _STAGES),
     ),
     paramedian_forehead_flap,
     "the pivot, above the inner end of the brow",

@@ -171,9 +171,9 @@ REGIONAL_FLAPS = {
             "paramedian-forehead",
             (18.5, 139.0, 749.0),  # on the supratrochlear artery
             (0.66, 0.0, 0.75),
-            {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0, "left": 2.8},
-            "The third stage leaves 2.8 mm of the paddle, as the model `nose` has. It makes the paddle lie lower: as the "
-            "model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
+            {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0, "thinned": 2.8},
+            "The third stage leaves 2.8 mm of the paddle, as the model `nose` has. It makes the paddle lie lower: as "
+            "the model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
             mirrored=True,
         ),
         RegionalFlap(
