@@ -33,7 +33,7 @@ _END_HINTS = (("EVENT_RETURN", "Finish"), ("MOUSE_RMB", "Finish"), ("EVENT_ESC",
 class _LineTool(SkinModal):
     """What the tools share: `self.drawing` is the state machine, snapping is here since it is in pixels."""
 
-    kind: ClassVar[str]
+    kind: ClassVar[str] = "INCISION"
     must_close: ClassVar[bool] = False
     line: Any
     tolerance: Any

@@ -224,15 +224,6 @@ REGIONAL_FLAPS = {
             "The lip is skin on a bed: it has no muscle and no red inside.",
         ),
         RegionalFlap(
-            "ala_crescentic",
-            "the cheek beside the ala",
-            "midface",
-            "crescentic",
-            (-11.0, 143.0, 686.0),
-            (-1.0, -0.5, 0.0),
-            {"width": 6.0, "height": 1.0, "radius": 8.0, "sweep": 100.0, "crescent": 3.0},
-        ),
-        RegionalFlap(
             "cheek_island",
             "the cheek beside the nose",
             "cheek",
