@@ -52,6 +52,7 @@ def value(name: str) -> Any:
 ACTS: dict[str, Callable[[], object]] = {
     "incision_add": lambda: ops.incision_add("EXEC_DEFAULT", True, points=at((-10, 0), (10, 0)), time=3),
     "undermine_add": lambda: ops.undermine_add("EXEC_DEFAULT", True, points=at((-9, -9), (9, -9), (0, 9)), time=6),
+    "thin_add": lambda: ops.thin_add("EXEC_DEFAULT", True, points=at((-9, -9), (9, -9), (0, 9)), thickness=1, time=6),
     "hook_add": lambda: ops.hook_add("EXEC_DEFAULT", True, anchor=(1, 1, TOP), target=(1, 8, 9), start=8, end=20),
     "retractor_add": lambda: ops.retractor_add("EXEC_DEFAULT", True, grip="bed", shift=(0, 0, 3), start=8, end=20),
     "suture_add": lambda: ops.suture_add("EXEC_DEFAULT", True, first=(3, 1, TOP), second=(3, -1, TOP), start=9),

@@ -12,7 +12,7 @@ from mathutils import Matrix
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
+from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, Thin, Undermine
 from lappet_blender.model import event_list, target_samples
 from lappet_blender.model.event_list import add_event, find_event, move_event, remove_event, rename_event
 from lappet_blender.model.event_values import event_value, set_event
@@ -63,6 +63,7 @@ def scene(scene: bpy.types.Scene) -> bpy.types.Scene:
         Incision("shallow", 3.5, ((0.0, 0.0, TOP), (1.0, 0.0, TOP), (2.0, 3.0, TOP)), 1.3, 0.2, "catmullRom", True),
         Incision("bevel", 3.5, ((0.0, 0.0, TOP), (1.0, 0.0, TOP)), direction=(0.25, 1.1, -1.0)),
         Excision("out", 4.0, ((0.3, 0.2, TOP), (4.0, 0.0, TOP))),
+        Thin("thin", 9.0, ((0.0, 0.0, TOP), (5.0, 0.0, TOP), (0.0, 5.0, TOP)), 1.25, "catmullRom", 1.5, 3.0),
         Undermine("under", 6.0, ((0.0, 0.0, TOP), (5.0, 0.0, TOP), (0.0, 5.0, TOP)), "bspline"),
         HOOK,
         Hook("still", (0.7, 0.0, TOP), ((4.0, (0.7, 0.3, 9.0)),), 4.0, 9.0),

@@ -281,9 +281,12 @@ def test_every_tool_runs_from_python_and_is_one_event_of_the_timeline(scene: bpy
     assert ops.draw_incision(points=points((-8, 0, 0), (8, 0, 0)), through=False, depth=1.5, kerf=0.1) == {"FINISHED"}
     cut = events[-1]
     assert (cut.kind, cut.start, cut.through) == ("INCISION", 7.0, False)
+    name = cut.name
     assert (round(cut.depth, 4), round(cut.kerf, 4), len(cut.points)) == (1.5, 0.1, 2)
     ops.draw_undermining(points=points((-5, 1, 0), (5, 1, 0), (0, 9, 0)), time=9.0)
     assert (events[-1].kind, events[-1].start) == ("UNDERMINE", 9.0)
+    ops.draw_thinning(points=points((-5, 1, 0), (5, 1, 0), (0, 9, 0)), time=10.0, thickness=1.5)
+    assert (events[-1].kind, events[-1].start, round(events[-1].thickness, 4)) == ("THIN", 10.0, 1.5)
     ops.place_hook(anchor=(0, 2, 0), begins=(0, 2, 0.5), target=(0, 12, 8), frames=6, stiffness=250.0)
     hook = events[-1]
     assert (hook.kind, hook.start, hook.stiffness) == ("HOOK", 7.0, 250.0)
@@ -294,7 +297,7 @@ def test_every_tool_runs_from_python_and_is_one_event_of_the_timeline(scene: bpy
     ops.place_suture(first=points((2, 0.3, 0)), second=points((2, -0.3, 0)), duration=4.0)
     assert (events[-1].kind, events[-1].duration) == ("SUTURE", 4.0)
     before = len(events)
-    ops.place_suture(incision=cut.name, spacing=4.0)
+    ops.place_suture(incision=name, spacing=4.0)
     assert [event.kind for event in events[before:]] == ["SUTURE_RUN"]
     assert len(stitches_of(scene, events[-1])) == 4  # 16 mm, one in 4 mm
     before = len(events)

@@ -21,6 +21,7 @@ from lappet.procedure import (
     Procedure,
     Region,
     Suture,
+    Thin,
     Tissue,
     Undermine,
 )
@@ -41,6 +42,23 @@ GOOD = Procedure(flat_patch((60, 40, 4), 4.0), end_time=20.0).with_events(
 
 def test_a_sound_procedure_has_no_problem() -> None:
     assert check(GOOD) == []
+
+
+def test_a_thinning_is_warned_about_that_leaves_less_than_the_skin_or_a_cell_and_refused_below_nothing() -> None:
+    layered = skin_over_fat(Procedure(flat_patch((60, 40, 4), 4.0, spacing=1.0), end_time=20.0), 1.5)
+
+    def codes(**changed: float) -> list[ProblemCode]:
+        thin = replace(Thin("thin", 4.0, RING, 2.0), **changed)
+        return [each.code for each in check(layered.with_events(thin))]
+
+    assert codes() == codes(thickness=1.5) == []
+    assert codes(thickness=1.2) == [ProblemCode.THIN_INTO_SKIN]
+    assert codes(thickness=0.9) == [ProblemCode.THIN_INTO_SKIN, ProblemCode.THIN_BELOW_CELLS]
+    assert codes(thickness=0.0) == codes(thickness=float("nan")) == [ProblemCode.THIN_THICKNESS]
+    assert codes(dressing=-1.0) == codes(duration=-1.0) == [ProblemCode.THIN_NUMBER]
+    assert codes(time=30.0) == [ProblemCode.EVENT_AFTER_END]
+    off = replace(Thin("thin", 4.0, RING, 2.0), points=tuple((x, y, z + 40.0) for x, y, z in RING))
+    assert [each.code for each in check(layered.with_events(off))] == [ProblemCode.CURVE_OFF_TISSUE]
 
 
 def test_a_run_off_curve_and_a_seed_inside_the_tissue_are_fine() -> None:

@@ -14,7 +14,7 @@ from lappet.designs.flap_plan import flap_plan
 from lappet.designs.flat_curves import length
 from lappet.designs.library import library_design
 from lappet.designs.library_operation import flap_on_patch
-from lappet.procedure import Excision, Hook, Incision, SutureRun
+from lappet.procedure import Excision, Hook, Incision, SutureRun, Thin
 from refusals import refuses
 
 NAME = "paramedian-forehead"
@@ -83,6 +83,20 @@ def test_the_second_stage_begins_when_the_first_is_sewn_and_the_pedicle_is_held_
     assert all(hook.release < divided for name, hook in hooks.items() if name != "hook_pedicle")
     thickness = 4.0
     assert hooks["hook_pedicle"].targets[-1][1][2] > 2.0 * thickness  # over the skin that it bridges
+
+
+def test_a_third_stage_thins_the_paddle_after_the_second_and_leaves_the_rest() -> None:
+    assert not any(isinstance(event, Thin) for event in flap_on_patch(NAME, spacing=2.0).events)
+    procedure = flap_on_patch(NAME, {"thinned": 2.6, "diameter": 16.0}, spacing=2.0)
+    (thin,) = [event for event in procedure.events if isinstance(event, Thin)]
+    runs = [event for event in procedure.events if isinstance(event, SutureRun)]
+    assert max(run.start + run.duration for run in runs) < thin.time
+    assert thin.time + thin.duration <= procedure.end_time
+    last = build_epochs(procedure)[-1]
+    (gone,) = last.thinned
+    chord = 8.0**2 * np.arcsin(5.0 / 8.0) - 5.0 * np.sqrt(8.0**2 - 5.0**2)  # of the pedicle, which is gone by then
+    assert gone.volume == pytest.approx((np.pi * 8.0**2 - chord) * (4.0 - 2.6), rel=0.02)
+    assert last.fragments == 2
 
 
 def test_the_hooks_turn_it_one_way_however_far_their_corners_are_apart() -> None:

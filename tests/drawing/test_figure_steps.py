@@ -116,6 +116,10 @@ def test_a_flap_that_is_divided_later_is_shown_sewn_in_on_its_pedicle_and_cut_fr
         ("Pedicle divided", 14),
         ("Final result", 20),
     ]
+    thinned = story_steps([*events, StepEvent("Thin", "thin", 18, 19)], [float(t) for t in range(1, 21)])
+    assert (len(thinned), thinned[-1].caption, thinned[-1].detail) == (MOST_PANELS, "Final result", "the flap thinned")
+    alone = story_steps([StepEvent("Thin", "thin", 4, 7)], [float(t) for t in range(1, 11)])
+    assert [(s.caption, s.frame) for s in alone] == [("Before", 1), ("Flap thinned", 7), ("Final result", 10)]
 
 
 def test_a_story_never_has_more_panels_than_the_sheet_nor_two_of_one_frame() -> None:

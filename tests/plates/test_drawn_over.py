@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -24,7 +25,7 @@ from lappet.plates.plate_style import plate_style
 from lappet.plates.plate_svg import plate_svg
 from lappet.plates.plate_words import plate_words
 from lappet.plates.pull_arrows import pull_arrows
-from lappet.plates.undermined_hatch import undermined_hatch
+from lappet.plates.undermined_hatch import thinned_marks, undermined_hatch
 from lappet.procedure.plate import PLAN_PENS, PlatePanel
 from refusals import refuses
 
@@ -56,6 +57,30 @@ def test_the_area_undermined_is_hatched_evenly_and_nowhere_else(
     assert length * 2.0 == pytest.approx(4.0 * half.prod(), rel=0.05)  # lines times their distance fill the area
     monkeypatch.setattr(type(cache), "events", property(lambda self: (replace(events[0], start=1e6),)))
     assert undermined_hatch(scene, begun, 2.0) == []
+
+
+def test_what_is_thinned_is_hatched_across_the_other_way_inside_a_dotted_line_while_the_skin_is_laid_back(
+    scene: PlateScene, cache: SkinCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    top = float(cache.rest(cache.epochs[0])[:, 2].max())
+    half = np.array([14.0, 9.0])
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half
+    ring = np.vstack([np.linspace(a, b, 30, endpoint=False) for a, b in pairwise(corners)] + [corners[:1]])
+    outline = np.column_stack([ring, np.full(len(ring), top)])
+    begun = cache.frames[0]
+    monkeypatch.setattr(type(cache), "thinned_areas", lambda self, step: {"thin": outline, "late": outline})
+    events = (StepEvent("Thin", "thin", begun, begun + 2.0), StepEvent("Thin", "late", begun + 9.0, begun + 9.0))
+    monkeypatch.setattr(type(cache), "events", property(lambda self: events))
+    lines = thinned_marks(scene, begun, 2.0)
+    hatch = [line.points for line in lines if line.kind is LineKind.THINNED_HATCH]
+    border = np.concatenate([line.points for line in lines if line.kind is LineKind.THINNED])
+    length = sum(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) for points in hatch)
+    assert length * 2.0 == pytest.approx(4.0 * half.prod(), rel=0.05)
+    assert (np.abs(border[:, :2]) < half).all()
+    assert np.abs(border[:, :2]).max(axis=0) == pytest.approx(half, abs=1.0)
+    way = next(points[-1] - points[0] for points in hatch if len(points) > 4)
+    assert float(way @ scene.axes[0]) * float(way @ scene.axes[1]) < 0.0  # from upper left to lower right
+    assert thinned_marks(scene, begun + 2.0, 2.0) == []
 
 
 def test_a_pull_points_where_the_hook_has_drawn_the_tissue(scene: PlateScene, cache: SkinCache) -> None:

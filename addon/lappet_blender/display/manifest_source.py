@@ -276,6 +276,10 @@ def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], Ba
 
 def _step(event: bpy.types.PropertyGroup, stitches: int) -> StepEvent:
     sewn = event.kind in SEWN_KINDS
-    end = event.end if event.kind in HOLD_KINDS else event.start + (event.duration if sewn else 0.0)
+    end = (
+        event.end
+        if event.kind in HOLD_KINDS
+        else event.start + (event.duration if sewn or event.kind == "THIN" else 0.0)
+    )
     kind = "Suture" if sewn else event.kind.capitalize()
     return StepEvent(kind, event.name, event.start, end, stitches if event.kind == "SUTURE_RUN" else 1)

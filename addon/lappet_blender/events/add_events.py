@@ -9,7 +9,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Undermine
+from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Thin, Undermine
 
 from ..model.event_list import find_event, remove_event
 from ..model.event_values import add_value, free_name
@@ -57,6 +57,25 @@ def add_undermining(
 ) -> None:
     """Add the undermining of the area inside a closed line at rest, mm."""
     add_events(scene, [Undermine(free_name(scene, "UNDERMINE", name), time, point_values(points), basis)])
+
+
+def add_thinning(
+    scene: bpy.types.Scene,
+    points: Iterable[Place],
+    time: float,
+    thickness: float,
+    *,
+    dressing: float = Thin.dressing,
+    duration: float = Thin.duration,
+    basis: Basis = "linear",
+    name: str = "",
+) -> None:
+    """Add the thinning of the tissue inside a closed line at rest, mm.
+
+    thickness: what stays, mm. dressing: kPa. duration: frames in which it comes to press.
+    """
+    name = free_name(scene, "THIN", name)
+    add_events(scene, [Thin(name, time, point_values(points), thickness, basis, dressing, duration)])
 
 
 def add_landmark(scene: bpy.types.Scene, points: Iterable[Place], *, label: str = "", name: str = "") -> None:

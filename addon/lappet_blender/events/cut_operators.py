@@ -3,12 +3,12 @@
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
-from lappet.procedure import Incision
+from lappet.procedure import Incision, Thin
 
 from ..interface.operator_base import OperatorBase
 from ..model.event_kinds import BASES, BASIS_OF
 from ..model.event_properties import LappetPoint
-from .add_events import add_excision, add_incision, add_landmark, add_undermining
+from .add_events import add_excision, add_incision, add_landmark, add_thinning, add_undermining
 from .operator_values import given, places
 
 
@@ -69,6 +69,41 @@ class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
         add_undermining(context.scene, places(self.points), time, basis=BASIS_OF[self.basis], name=self.name)
 
 
+class LAPPET_OT_thin_add(OperatorBase, bpy.types.Operator):
+    """Take the deep tissue inside a closed line away, so that a flap is thinner"""
+
+    bl_label = "Thin"
+
+    points: CollectionProperty(name="Points", description="Outline of the area at rest, in mm", type=LappetPoint)
+    time: FloatProperty(name="Frame", description="When it is thinned; if not given, the current frame")
+    thickness: FloatProperty(
+        name="Thickness Left", description="What stays below the skin, skin included, in mm", default=2.0, min=0.0
+    )
+    dressing: FloatProperty(
+        name="Dressing",
+        description="Pressure of the dressing that lays the skin back on its bed, in kPa; 0 for none",
+        default=Thin.dressing,
+        min=0.0,
+    )
+    duration: FloatProperty(
+        name="Duration", description="Number of frames until the dressing presses", default=Thin.duration, min=0.0
+    )
+    basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
+    name: StringProperty(name="Name", description="If not given, thin and a number")
+
+    def run(self, context: bpy.types.Context) -> None:
+        add_thinning(
+            context.scene,
+            places(self.points),
+            given(self, "time", context.scene.frame_current),
+            self.thickness,
+            dressing=self.dressing,
+            duration=self.duration,
+            basis=BASIS_OF[self.basis],
+            name=self.name,
+        )
+
+
 class LAPPET_OT_landmark_add(OperatorBase, bpy.types.Operator):
     """Mark a point on the skin to follow and measure"""
 
@@ -86,4 +121,10 @@ class LAPPET_OT_landmark_add(OperatorBase, bpy.types.Operator):
         add_landmark(context.scene, points, label=self.label, name=self.name)
 
 
-CLASSES = (LAPPET_OT_incision_add, LAPPET_OT_excise, LAPPET_OT_undermine_add, LAPPET_OT_landmark_add)
+CLASSES = (
+    LAPPET_OT_incision_add,
+    LAPPET_OT_excise,
+    LAPPET_OT_undermine_add,
+    LAPPET_OT_thin_add,
+    LAPPET_OT_landmark_add,
+)

@@ -26,6 +26,8 @@ _COPIED = (
     "through",
     "depth",
     "kerf",
+    "thickness",
+    "dressing",
     "direction",
     "stiffness",
     "mode",

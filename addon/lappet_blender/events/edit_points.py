@@ -16,7 +16,7 @@ from .add_events import Place
 from .event_check import check_events
 
 # Fewest points of a kind whose number may change: hooks and sutures keep the number they have.
-MIN_POINTS = {"INCISION": 2, "UNDERMINE": 3, "EXCISION": 1, "LANDMARK": 1}
+MIN_POINTS = {"INCISION": 2, "UNDERMINE": 3, "THIN": 3, "EXCISION": 1, "LANDMARK": 1}
 
 
 def move_point(scene: bpy.types.Scene, event: Any, index: int, co: Place) -> None:

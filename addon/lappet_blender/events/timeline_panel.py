@@ -28,6 +28,7 @@ TOOLS = {
     "INCISION": "lappet.cutting.incision",
     "EXCISION": "lappet.excise",
     "UNDERMINE": "lappet.cutting.undermining",
+    "THIN": "lappet.cutting.thinning",
     "HOOK": "lappet.hook",
     "RETRACTOR": "lappet.retractor",
     "SUTURE": "lappet.suture",
@@ -169,6 +170,9 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             fields.prop(event, "kerf")
             fields.prop(event, "direction")
             fields.prop(event, "closed")
+        case "THIN":
+            for name in ("thickness", "dressing", "duration"):
+                fields.prop(event, name)
         case "HOOK":
             fields.prop(event, "stiffness")
         case "RETRACTOR":

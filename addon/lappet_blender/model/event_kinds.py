@@ -9,6 +9,7 @@ KINDS = (
     ("INCISION", "Incision", "A cut along a line on the skin", "SCULPTMODE_HLT", 0),
     ("EXCISION", "Excision", "Removes a piece of tissue", "TRASH", 1),
     ("UNDERMINE", "Undermining", "Frees the skin inside a line from its bed", "MOD_EXPLODE", 2),
+    ("THIN", "Thinning", "Takes the deep tissue inside a line away, so that a flap is thinner", "MOD_THICKNESS", 8),
     ("HOOK", "Hook", "Pulls a point of the skin to a target", "HOOK", 3),
     ("RETRACTOR", "Retractor", "Grips faces of the skin and moves them as one", "VIEW_PAN", 4),
     ("SUTURE", "Suture", "Draws two points together and holds them", "LINKED", 5),
@@ -44,7 +45,7 @@ ORDERS = (
     ("FORWARD", "From the Start", "One after the other from the start of the edges"),
     ("TOGETHER", "All at Once", "All stitches are drawn together at the same time"),
 )
-CUT_KINDS = frozenset({"INCISION", "EXCISION", "UNDERMINE"})
+CUT_KINDS = frozenset({"INCISION", "EXCISION", "UNDERMINE", "THIN"})
 HOLD_KINDS = frozenset({"HOOK", "RETRACTOR"})
 SEWN_KINDS = frozenset({"SUTURE", "SUTURE_RUN"})
 BASIS_OF: dict[str, Basis] = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}

@@ -13,7 +13,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from lappet.procedure import Hook, Incision, Suture, SutureRun
+from lappet.procedure import Hook, Incision, Suture, SutureRun, Thin
 
 from .changes import property_changed
 from .event_kinds import BASES, KINDS, ORDERS, PATTERNS, SUTURE_MODES, THREAD_ITEMS
@@ -79,7 +79,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     end: number(name="Release", description="The frame at which the hook or retractor lets go", default=25.0)
     duration: FloatProperty(
         name="Duration",
-        description="Number of frames until the suture is closed",
+        description="Number of frames until the suture is closed, or a thinned flap's dressing presses",
         default=1.0,
         min=0.0,
         update=property_changed,
@@ -90,6 +90,15 @@ class LappetEvent(bpy.types.PropertyGroup):
     through: flag(name="Through", description="Cut through the whole tissue", default=True)
     depth: number(name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.0)
     kerf: number(name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.0, precision=3)
+    thickness: number(
+        name="Thickness Left", description="What stays below the skin, skin included, in mm", default=2.0, min=0.0
+    )
+    dressing: number(
+        name="Dressing",
+        description="Pressure of the dressing that lays the skin back on its bed, in kPa; 0 for none",
+        default=Thin.dressing,
+        min=0.0,
+    )
     direction: FloatVectorProperty(
         name="Direction",
         description="Direction in which the blade goes into the tissue; zero to cut square to the skin everywhere",

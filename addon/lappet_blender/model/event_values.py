@@ -23,6 +23,7 @@ from lappet.procedure import (
     Retractor,
     Suture,
     SutureRun,
+    Thin,
     Undermine,
 )
 
@@ -58,6 +59,9 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
             return Excision(name, time, points)
         case "UNDERMINE":
             return Undermine(name, time, points, basis)
+        case "THIN":
+            dressing, duration = decimal(event.dressing), decimal(event.duration)
+            return Thin(name, time, points, decimal(event.thickness), basis, dressing, duration)
         case "HOOK":
             (anchor,) = _exactly(event, points, 1)
             release = decimal(event.end)
@@ -129,6 +133,10 @@ def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
             set_points(event, value.seeds)
         case Undermine():
             event.start, event.basis = value.time, _BASIS_NAMES[value.basis]
+            set_points(event, value.points)
+        case Thin():
+            event.start, event.basis = value.time, _BASIS_NAMES[value.basis]
+            event.thickness, event.dressing, event.duration = value.thickness, value.dressing, value.duration
             set_points(event, value.points)
         case Hook():
             event.start, event.end, event.stiffness = value.start, value.release, value.stiffness

@@ -45,4 +45,4 @@ def _kind(lane: int, kinds: set[str]) -> str:
         return "excised-undermined" if "UNDERMINE" in kinds else "excised"
     if "INCISION" in kinds:
         return "incised-undermined" if "UNDERMINE" in kinds else "incised"
-    return "undermined"
+    return "undermined" if "UNDERMINE" in kinds else "thinned"

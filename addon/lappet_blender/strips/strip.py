@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 # The lanes from top to bottom: what cuts, what pulls, what sews.
-LANES = (("INCISION", "EXCISION", "UNDERMINE"), ("HOOK", "RETRACTOR"), ("SUTURE", "SUTURE_RUN"))
+LANES = (("INCISION", "EXCISION", "UNDERMINE", "THIN"), ("HOOK", "RETRACTOR"), ("SUTURE", "SUTURE_RUN"))
 _ENDING = frozenset({*LANES[1], *LANES[2]})
 
 

@@ -19,7 +19,8 @@ from .rest_line import rest_samples
 from .shown_surface import ShownSurface, shown_surface
 
 TARGET = -1  # the index of a handle that is the empty a hook or retractor follows
-LINE_KINDS = frozenset({"INCISION", "UNDERMINE"})
+CLOSED_KINDS = frozenset({"UNDERMINE", "THIN"})
+LINE_KINDS = CLOSED_KINDS | {"INCISION"}
 SKIN_KINDS = LINE_KINDS | {"SUTURE_RUN"}  # whose points lie on the skin
 _GONE = 2.0
 _MOST_OF_RUN = 10  # points of a suture run that have handles: of edges that a design drew, nobody moves single ones
@@ -146,5 +147,5 @@ def nearest_line(
 
 
 def is_closed(event: LappetEvent) -> bool:
-    """Whether an event's line returns to its first point; the outline of an undermining always does."""
-    return event.kind == "UNDERMINE" or bool(event.closed)
+    """Whether an event's line returns to its first point; the outline of an area always does."""
+    return event.kind in CLOSED_KINDS or bool(event.closed)

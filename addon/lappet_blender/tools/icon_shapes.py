@@ -96,6 +96,14 @@ def _undermine(c: _Canvas) -> None:
     c.fan([(190, 94), (236, 60), (190, 26)], _LIGHT)
 
 
+def _thin(c: _Canvas) -> None:
+    c.stroke([(24, 176), (128, 206), (232, 176)], 20, _INK)
+    c.stroke([(36, 126), (128, 152), (220, 126)], 12, _LIGHT)
+    for k in range(4):
+        x = 52 + 50 * k
+        c.stroke([(x - 16, 42), (x + 16, 92)], 12, _WARM)
+
+
 def _hook(c: _Canvas) -> None:
     bend = _arc((112, 88), 54, 0, -220, 18)
     c.stroke(np.vstack([[(166, 232)], bend]), 22, _LIGHT)
@@ -131,6 +139,7 @@ ICONS: dict[str, Callable[[_Canvas], None]] = {
     "incision": _incision,
     "excise": _excise,
     "undermine": _undermine,
+    "thin": _thin,
     "hook": _hook,
     "retractor": _retractor,
     "suture": _suture,

@@ -1,4 +1,4 @@
-"""The tools Incision and Undermine: a line clicked or drawn on the skin."""
+"""The tools Incision, Undermine and Thin: a line clicked or drawn on the skin."""
 
 from typing import Any, ClassVar
 
@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 
 from lappet.procedure import Incision
 
-from ..events.add_events import add_incision, add_undermining
+from ..events.add_events import add_incision, add_thinning, add_undermining
 from ..events.operator_values import given, places
 from ..interface.said import said
 from ..model.event_kinds import BASES, BASIS_OF
@@ -32,8 +32,9 @@ _END_HINTS = (("EVENT_RETURN", "Finish"), ("MOUSE_RMB", "Finish"), ("EVENT_ESC",
 
 
 class _LineTool(SkinModal):
-    """What the two tools share: `self.drawing` is the state machine, snapping is here since it is in pixels."""
+    """What the tools share: `self.drawing` is the state machine, snapping is here since it is in pixels."""
 
+    kind: ClassVar[str] = "INCISION"
     must_close: ClassVar[bool] = False
     line: Any
     tolerance: Any
@@ -128,7 +129,7 @@ class _LineTool(SkinModal):
         line = self.drawing.preview()
         dots = [] if self.drawing.dragging else self.drawing.points
         preview = Preview(context.scene.name, lines=[line] if line else [], dots=list(dots), snap=self.snap)
-        preview.kind = "UNDERMINE" if self.must_close else "INCISION"
+        preview.kind = self.kind
         show_preview(preview)
 
 
@@ -166,7 +167,7 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
     """Draw an incision: click points on the skin, or draw with the button held"""
 
     bl_label = "Draw Incision"
-    title = "Incision"
+    title, kind = "Incision", "INCISION"
     hints = (*_HINTS, ("EVENT_C", "Close"), *_END_HINTS)
 
     points: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
@@ -205,7 +206,7 @@ class LAPPET_OT_draw_undermining(_LineTool, bpy.types.Operator):
     """Draw the outline of an area to free from its bed"""
 
     bl_label = "Draw Undermining"
-    title = "Undermine"
+    title, kind = "Undermine", "UNDERMINE"
     hints = (*_HINTS, ("EVENT_C", "Close and finish"), *_END_HINTS)
     must_close = True
 
@@ -226,6 +227,39 @@ class LAPPET_OT_draw_undermining(_LineTool, bpy.types.Operator):
         self.layout.prop(self, "time")
 
 
+class LAPPET_OT_draw_thinning(_LineTool, bpy.types.Operator):
+    """Draw the outline of an area whose deep tissue is taken away"""
+
+    bl_label = "Draw Thinning"
+    title, kind = "Thin", "THIN"
+    hints = (*_HINTS, ("EVENT_C", "Close and finish"), *_END_HINTS)
+    must_close = True
+
+    points: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
+    time: FloatProperty(name="Frame", description="The frame of the thinning", options={"SKIP_SAVE"})
+    basis: EnumProperty(name="Curve", items=BASES, options={"HIDDEN", "SKIP_SAVE"})
+    closed: BoolProperty(name="Closed", default=True, options={"HIDDEN", "SKIP_SAVE"})
+    line: _line_property()
+    tolerance: _tolerance_property()
+    thickness: FloatProperty(
+        name="Thickness Left",
+        description="What stays below the skin, skin included, in mm",
+        default=2.0,
+        min=0.01,
+        soft_max=20.0,
+    )
+
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        time = given(self, "time", context.scene.frame_current)
+        add_thinning(context.scene, places(self.points), time, self.thickness, basis=BASIS_OF[self.basis])
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop(self, "time")
+        self.layout.prop(self, "thickness")
+
+
 def draw_incision_settings(layout: bpy.types.UILayout, owner: Any) -> None:
     """Depth and kerf of an incision, in a header or a panel."""
     layout.prop(owner, "through")
@@ -235,4 +269,4 @@ def draw_incision_settings(layout: bpy.types.UILayout, owner: Any) -> None:
     layout.prop(owner, "kerf")
 
 
-CLASSES = (LAPPET_OT_draw_incision, LAPPET_OT_draw_undermining)
+CLASSES = (LAPPET_OT_draw_incision, LAPPET_OT_draw_undermining, LAPPET_OT_draw_thinning)

@@ -36,6 +36,7 @@ EVENT_COLORS = {
     "INCISION": VIOLET,
     "EXCISION": WARM,
     "UNDERMINE": TEAL,
+    "THIN": OCHRE,
     "HOOK": STEEL,
     "RETRACTOR": STEEL,
     "SUTURE": THREAD,
@@ -97,7 +98,7 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
     elif event.kind in ("EXCISION", "LANDMARK"):
         lines += _marks(line_set, surface, event, color, active)
     over = event.kind in ("HOOK", "RETRACTOR") and time > event.end
-    dashed = (future or event.kind == "UNDERMINE") and event.kind not in ("LANDMARK", "EXCISION")
+    dashed = (future or event.kind in ("UNDERMINE", "THIN")) and event.kind not in ("LANDMARK", "EXCISION")
     for line in lines:
         if active:
             line_set.line(line, HALO, _WIDTH + 3.5)

@@ -6,6 +6,7 @@ _TOOLS = (
     ("lappet.draw_incision", "SCULPTMODE_HLT"),
     ("lappet.click_excision", "TRASH"),
     ("lappet.draw_undermining", "MOD_EXPLODE"),
+    ("lappet.draw_thinning", "MOD_THICKNESS"),
     ("lappet.place_hook", "HOOK"),
     ("lappet.place_retractor", "VIEW_PAN"),
     ("lappet.place_suture", "LINKED"),

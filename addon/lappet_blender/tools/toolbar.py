@@ -116,6 +116,22 @@ class UndermineTool(_Tool):
         layout.prop(settings, "tolerance")
 
 
+class ThinTool(_Tool):
+    bl_idname = "lappet.cutting.thinning"
+    bl_label = "Thin"
+    bl_description = "Draw around an area to take its deep tissue away, as a flap is thinned"
+    bl_icon = icon_path("thin")
+    bl_cursor = "KNIFE"
+    bl_keymap = _on_press("lappet.draw_thinning")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties("lappet.draw_thinning")
+        layout.prop(settings, "line", expand=True)
+        layout.prop(settings, "thickness")
+        layout.prop(settings, "tolerance")
+
+
 class HookTool(_Tool):
     bl_idname = "lappet.hook"
     bl_label = "Hook"
@@ -185,7 +201,17 @@ class LandmarkTool(_Tool):
         layout.prop(tool.operator_properties("lappet.place_landmark"), "label")
 
 
-TOOLS = (EditTool, IncisionTool, ExciseTool, UndermineTool, HookTool, RetractorTool, SutureTool, LandmarkTool)
+TOOLS = (
+    EditTool,
+    IncisionTool,
+    ExciseTool,
+    UndermineTool,
+    ThinTool,
+    HookTool,
+    RetractorTool,
+    SutureTool,
+    LandmarkTool,
+)
 
 
 def register() -> None:

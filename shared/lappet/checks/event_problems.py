@@ -28,6 +28,7 @@ from lappet.procedure import (
     Suture,
     SutureMode,
     SutureRun,
+    Thin,
     Traction,
     Undermine,
 )
@@ -91,6 +92,11 @@ class EventCheck:
                 self._curve(event.points, event.basis, True)
                 if len(self.procedure.tissue.subsets.get("bed", ())) == 0:
                     self._add(ProblemCode.UNDERMINE_NOTHING, "no bed")
+            case Thin():
+                self._time("made", event.time)
+                self._curve(event.points, event.basis, True)
+                self._thinning(event)
+                self._dressing(event)
             case Hook():
                 self._hold(event)
                 self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Hook.stiffness:g}")
@@ -201,6 +207,23 @@ class EventCheck:
         nearest = self.rest.nearest(samples[:: max(1, len(samples) // 64)])
         if nearest > 0.0:
             self._add(ProblemCode.CURVE_OFF_TISSUE, f"{nearest:.3g} mm", Place.at(samples[0]))
+
+    def _thinning(self, event: Thin) -> None:
+        self._positive(ProblemCode.THIN_THICKNESS, event.thickness)
+        if not event.thickness > 0.0:
+            return
+        skins = [region.depth_from for region in self.procedure.tissue.regions if region.depth_from > 0.0]
+        value, at = f"{event.thickness:g}", Place.at(*event.points)
+        if skins and event.thickness < min(skins):
+            self._add(ProblemCode.THIN_INTO_SKIN, value, at, skin=min(skins))
+        if event.thickness < self.spacing < math.inf:
+            self._add(ProblemCode.THIN_BELOW_CELLS, value, at, spacing=self.spacing)
+
+    def _dressing(self, event: Thin) -> None:
+        for name in ("dressing", "duration"):
+            value: float = getattr(event, name)
+            if self._finite(name, value) and value < 0.0:
+                self._add(ProblemCode.THIN_NUMBER, f"{value:g}", name=name)
 
     def _targets(self, event: Hook) -> None:
         for time, target in event.targets:

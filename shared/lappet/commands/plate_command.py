@@ -93,7 +93,9 @@ class PanelCaption(click.ParamType):
 @click.option("--marks", type=click.Choice(_MARKS), help="What is printed on the skin and deforms with it.")
 @click.option("--marks-mm", "marks_spacing", type=float, default=5.0, show_default=True, help="Distance of the marks.")
 @click.option("--plan-pen", type=click.Choice(_PENS), help="How planned cuts are drawn.  [default: whole lines]")
-@click.option("--hatched/--not-hatched", default=True, show_default=True, help="Hatch the area undermined.")
+@click.option(
+    "--hatched/--not-hatched", default=True, show_default=True, help="Hatch the areas undermined and thinned."
+)
 @click.option("--overlay", is_flag=True, help="Draw the outlines of all caches but the first over its panels.")
 @click.option("--skin-lines", is_flag=True, help="Draw the procedure's skin lines.")
 @click.option(

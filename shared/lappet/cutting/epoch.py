@@ -146,6 +146,31 @@ class Boundary:
 
 
 @dataclass(frozen=True, eq=False)
+class Removed:
+    """The deep tissue that a thinning took away.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    area
+        Area of the skin above it in mm².
+    volume
+        Its volume in mm³.
+    points
+        Vertices of its surface at rest in mm, shape (n, 3), float64.
+    triangles
+        Vertex indices, shape (m, 3), int32; normals point out of what was removed.
+    """
+
+    name: str
+    area: float
+    volume: float
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
 class Epoch:
     """A stretch of the timeline with constant topology and attachments.
 
@@ -169,6 +194,8 @@ class Epoch:
         Parts of fixed faces, rollers, loaded faces and sections.
     strands
         Strands of muscles, the same in every epoch of a program.
+    thinned
+        What its own thinnings took away.
     """
 
     index: int
@@ -180,6 +207,7 @@ class Epoch:
     ground: Ground = field(default_factory=Ground)
     boundary: Boundary = field(default_factory=Boundary)
     strands: Strands = field(default_factory=Strands)
+    thinned: tuple[Removed, ...] = ()
 
     @property
     def support(self) -> NDArray[np.uint8]:

@@ -9,15 +9,16 @@ import numpy as np
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
-from lappet.cutting.epoch import Epoch
+from lappet.cutting.epoch import Epoch, Removed
 from lappet.cutting.incision import cut, fragments, tidy
+from lappet.cutting.thinning import thin
 from lappet.cutting.undermining import undermine
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.mesh_faults import CLOSED, mesh_faults
 from lappet.geometry.solid import LabeledSolid
 from lappet.geometry.surface_check import place
-from lappet.procedure import Excision, Incision, Procedure, Undermine
+from lappet.procedure import CUTS, Excision, Incision, Procedure, Thin, Undermine
 from lappet.tissue.rest_skin import RestSkin
 from lappet.tissue.surface import tissue_surface
 
@@ -28,8 +29,8 @@ _TIMELINE = "/Procedure/Timeline"
 def build_epochs(procedure: Procedure) -> list[Epoch]:
     """Cut the tissue: make the epochs of a procedure, each surface from the one before.
 
-    Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time
-    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
+    Incisions, excisions, thinning and undermining at one time make one epoch, in this order; those at or before the
+    start time belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
     rest = tissue = tidy(rest, spacing, 0.0)
     epochs = []
 
-    topological = [e for e in procedure.events if isinstance(e, Incision | Excision | Undermine)]
+    topological = [e for e in procedure.events if isinstance(e, CUTS)]
     begin = [e for e in topological if e.time <= procedure.start_time]
     later = sorted((e for e in topological if e.time > procedure.start_time), key=lambda e: e.time)
     steps = [(procedure.start_time, begin), *((time, list(es)) for time, es in groupby(later, lambda e: e.time))]
@@ -65,12 +66,17 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
             tissue = tidy(tissue, spacing, min(0.1 * min(i.kerf for i in incisions), 0.02 * spacing))
         if excisions:
             tissue = excise(tissue, skin, excisions, spacing)
+        removed: list[Removed] = []
+        for thinning in (e for e in events if isinstance(e, Thin)):
+            tissue, gone = thin(tissue, rest, skin, thinning, spacing, _TIMELINE)
+            removed.append(gone)
         surface = tissue.surface()
         freeing = [e for e in events if isinstance(e, Undermine)]
         for event in freeing:
             surface = undermine(surface, rest, skin, event, spacing, _TIMELINE)
         _refuse_broken(surface, time)
-        epochs.append(Epoch(index, float(time), surface, len(tissue.solid.decompose())))  # undermining parts nothing
+        parts = len(tissue.solid.decompose())  # undermining parts nothing
+        epochs.append(Epoch(index, float(time), surface, parts, thinned=tuple(removed)))
         if freeing and index + 1 < len(steps):
             tissue = LabeledSolid.from_surface(surface)
     return epochs

@@ -1,34 +1,27 @@
 """Undermining: frees the bed faces below the area inside a closed curve on the skin.
 
-The curve is swept through the whole thickness of the uncut tissue, along the skin's normals, as for a cut; the parts
-that this would make are inside where the curve winds around the skin beside their walls (winding number other than 0,
-seen along the curve's mean normal). A bed face is freed when it belongs to an inside part, so "below" follows the
+A bed face is freed when it belongs to a part of the tissue inside the curve (`area_parts.py`), so "below" follows the
 normals of a curved scalp and not one projection. Bed faces on the line are split along it.
 """
 
 from __future__ import annotations
 
-import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.cutting.incision import cutter
-from lappet.cutting.ribbon import Ribbon, skin_ribbons
-from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labeled_surface import FaceOrigin, Surface
-from lappet.geometry.solid import Label, LabeledSolid
+from lappet.cutting.area_parts import LINE_KERF, AreaParts
+from lappet.cutting.ribbon import skin_ribbons
+from lappet.geometry.labeled_surface import Surface
+from lappet.geometry.solid import LabeledSolid
 from lappet.geometry.split_edges import split_edges
 from lappet.geometry.surface_check import directed_edges, unique_edges
-from lappet.geometry.triangles import area_normals, areas
-from lappet.geometry.unique_rows import unique_rows
 from lappet.procedure import Undermine
 from lappet.tissue.rest_skin import RestSkin
 
 _FEW = 40  # vertices inside; more follow the curve well enough
 _SHORT, _MANY, _ROUNDS = 0.3, 3000, 40  # edges over the width of an area with few; faces in the box around it
-_KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
 
 
 def undermine(
@@ -62,9 +55,9 @@ def undermine(
         If the curve cannot be followed, misses the tissue or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"
-    kerf = _KERF * min(spacing, 1.0)
+    kerf = LINE_KERF * min(spacing, 1.0)
     ribbons = skin_ribbons(skin, event.points, prim=prim, basis=event.basis, closed=True, kerf=kerf, spacing=spacing)
-    parts = _Parts(rest, ribbons, kerf, spacing)
+    parts = AreaParts(rest, ribbons, kerf, spacing)
     if not parts.inside.any():
         raise refused(ProblemCode.UNDERMINE_NO_AREA, prim)
     below, inside = _inside(surface, parts)
@@ -98,7 +91,7 @@ def undermine(
     )
 
 
-def _inside(surface: Surface, parts: _Parts) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _inside(surface: Surface, parts: AreaParts) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """The bed faces, and which vertices (n,) of theirs lie inside the curve."""
     below = np.flatnonzero(surface.bed)
     inside = np.zeros(len(surface.points), bool)
@@ -128,130 +121,3 @@ def _refined(surface: Surface, low: NDArray[np.float64], high: NDArray[np.float6
             break
         surface = split_edges(surface, chosen, np.full(len(chosen), 0.5))
     return surface
-
-
-class _Parts:
-    """The parts of the uncut tissue inside and outside of a closed curve."""
-
-    def __init__(self, rest: LabeledSolid, ribbons: list[Ribbon], kerf: float, spacing: float) -> None:
-        left, right, other = (manifold3d.Manifold.reserve_ids(3) + k for k in range(3))
-        walls = {i: Label(FaceOrigin.WOUND_WALL, grips=(name,)) for i, name in ((left, "left"), (right, "right"))}
-        walls[other] = Label(FaceOrigin.WOUND_WALL)
-        solids = [cutter(ribbon, kerf, spacing, (left, right, other)) for ribbon in ribbons]
-        solid = manifold3d.Manifold.batch_boolean([rest.solid, *solids], manifold3d.OpType.Subtract)
-        self.line = _sheet(ribbons)
-        turns = _Turns(ribbons, self.line, kerf)
-        corners, owner, known, known_owner = [], [], [], []
-        inside: list[bool] = []
-        widths: list[float] = []
-        for k, part in enumerate(solid.decompose()):
-            surface = LabeledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
-            wall = surface.grips["left"] | surface.grips["right"]
-            inside.append(turns.surround(surface.points[surface.triangles[wall]]))
-            if inside[-1]:
-                under = surface.points[surface.triangles[surface.origin == FaceOrigin.UNDERSIDE]]
-                widths.append(float(areas(under).sum()) / max(float(np.ptp(surface.points, axis=0).max()), 1e-300))
-            corners.append(surface.points[surface.triangles])
-            owner.append(np.full(len(surface.triangles), k))
-            known.append(surface.points)
-            known_owner.append(np.full(len(surface.points), k))
-        self.inside = np.array(inside, bool)
-        self.width = max(widths, default=0.0)  # mm, of the widest part inside
-        self._owner = np.concatenate(owner)
-        soup = np.concatenate(corners)
-        self._known, self._known_owner = np.concatenate(known), np.concatenate(known_owner)
-        self._closest = ClosestPoint(soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3))
-        chosen = soup[self.inside[self._owner]].reshape(-1, 3)
-        margin = 0.01 * spacing
-        self._box = (chosen.min(axis=0) - margin, chosen.max(axis=0) + margin) if len(chosen) else None
-
-    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The lowest and the highest corner of what is inside."""
-        assert self._box is not None
-        return self._box
-
-    def contain(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether each point (k, 3) belongs to a part inside the curve."""
-        result = np.zeros(len(points), bool)
-        if self._box is not None:
-            near = np.flatnonzero(((points >= self._box[0]) & (points <= self._box[1])).all(axis=1))
-            # Vertices away from all cuts are the same to the bit; the few others are looked for.
-            same = _first_equal(points[near], self._known)
-            result[near] = self.inside[self._known_owner[same]]
-            other = near[same < 0]
-            result[other] = self.inside[self._owner[self._closest.query(points[other])[0]]]
-        return result
-
-
-def _first_equal(points: NDArray[np.float64], known: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The first of the known points (n, 3) that each point (k, 3) is equal to; -1 where there is none."""
-    _, which = unique_rows(np.concatenate([known, points]))
-    first = np.full(int(which.max(initial=-1)) + 1, -1)
-    first[which[: len(known)][::-1]] = np.arange(len(known))[::-1]
-    return first[which[len(known) :]]
-
-
-class _Turns:
-    """How often the curve winds around the skin on either side of it, seen along its mean normal."""
-
-    def __init__(self, ribbons: list[Ribbon], line: ClosestPoint, kerf: float) -> None:
-        self._line, self._kerf = line, kerf
-        middles, sides = [], []
-        for ribbon in ribbons:
-            points, side = ribbon.points, ribbon.sides
-            if ribbon.closed:
-                points, side = np.vstack([points, points[:1]]), np.vstack([side, side[:1]])
-            # Two triangles of the sheet per section, see `_sheet`.
-            middles += [0.5 * (points[:-1] + points[1:])] * 2
-            sides += [0.5 * (side[:-1] + side[1:])] * 2
-        self._middles, self._sides = np.concatenate(middles), np.concatenate(sides)
-        frame = _plane(np.vstack([ribbon.normals for ribbon in ribbons]).mean(axis=0))
-        curve = np.vstack([ribbon.points for ribbon in ribbons]) @ frame.T
-        self._left = _winding((self._middles + kerf * self._sides) @ frame.T, curve)
-        self._right = _winding((self._middles - kerf * self._sides) @ frame.T, curve)
-
-    def surround(self, walls: NDArray[np.float64]) -> bool:
-        """Whether the curve winds around the skin beside most of these wall triangles (k, 3, 3), by area."""
-        if len(walls) == 0:
-            return False
-        normal = area_normals(walls)
-        area = np.linalg.norm(normal, axis=1)
-        largest = np.argsort(-area, kind="stable")[:64]
-        behind = walls[largest].mean(axis=1) - self._kerf * normal[largest] / np.maximum(area[largest], 1e-300)[:, None]
-        section, on_line, _ = self._line.query(behind)
-        left = np.einsum("ij,ij->i", behind - on_line, self._sides[section]) > 0.0
-        turns = np.where(left, self._left[section], self._right[section])
-        return float(area[largest][turns != 0].sum()) > 0.5 * float(area[largest].sum())
-
-
-def _winding(points: NDArray[np.float64], polygon: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The winding number of a closed polygon (k, 2) about each point (q, 2)."""
-    a = polygon[None] - points[:, None]
-    b = np.roll(a, -1, axis=1)
-    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    dot = np.einsum("qki,qki->qk", a, b)
-    return np.rint(np.arctan2(cross, dot).sum(axis=1) / (2.0 * np.pi)).astype(np.int64)
-
-
-def _plane(axis: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two unit vectors (2, 3) across an axis."""
-    axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
-    first = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(axis, first)])
-
-
-def _sheet(ribbons: list[Ribbon]) -> ClosestPoint:
-    """The curve swept along the normals, as triangles to measure distances to."""
-    soup = []
-    for ribbon in ribbons:
-        top = ribbon.points + ribbon.normals
-        low = ribbon.points - ribbon.depth[:, None] * ribbon.normals
-        if ribbon.closed:
-            top, low = np.vstack([top, top[:1]]), np.vstack([low, low[:1]])
-        soup += [
-            np.stack([top[:-1], low[:-1], low[1:]], axis=1),
-            np.stack([top[:-1], low[1:], top[1:]], axis=1),
-        ]
-    points = np.concatenate(soup).reshape(-1, 3)
-    return ClosestPoint(points, np.arange(len(points)).reshape(-1, 3))

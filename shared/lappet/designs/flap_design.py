@@ -159,6 +159,22 @@ class Division:
 
 
 @dataclass(frozen=True)
+class Thinned:
+    """The last stage of a flap that is too thick for its place: its deep tissue is taken away.
+
+    Parameters
+    ----------
+    outline
+        Closed curve in mm around what is thinned.
+    left
+        Thickness that stays below the skin in mm, skin included.
+    """
+
+    outline: tuple[Point, ...]
+    left: float
+
+
+@dataclass(frozen=True)
 class FlapDesign:
     """A flap, or several, or none, that fill what was excised, or change places.
 
@@ -185,6 +201,8 @@ class FlapDesign:
         Closed curves in mm inside which the skin is undermined; none for all that lies around the cuts.
     division
         The second stage; None for a flap that needs none.
+    thinned
+        The stage in which the flap is thinned; None for a flap that needs none.
     opening
         Points in mm, from end to end, of the slit of an opening, such as the mouth, that the cuts go round. Skin
         without an opening is cut there; on skin that has one the design is laid around it, and none is left here.
@@ -200,4 +218,5 @@ class FlapDesign:
     blade: Point | None = None
     freed: tuple[tuple[Point, ...], ...] = ()
     division: Division | None = None
+    thinned: Thinned | None = None
     opening: tuple[Point, ...] = ()

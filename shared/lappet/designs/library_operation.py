@@ -90,7 +90,8 @@ def schedule(design: FlapDesign, start: float = 1.0) -> Schedule:
         second stage follows when all seams of the first are closed.
     """
     if design.division is not None:
-        usual = Schedule(undermine=Schedule.lift, end=60)  # as long a flap hangs limp from when it is free
+        end = 60 if design.thinned is None else 68
+        usual = Schedule(undermine=Schedule.lift, end=end)  # as long a flap hangs limp from when it is free
     elif any(cut.late for cut in design.excised):
         usual = Schedule(donor_from=8, donor_to=16, trim=19, suture_from=20, suture_to=29, end=32)
     elif design.carries:

@@ -1,4 +1,4 @@
-"""The paramedian forehead flap: a paddle of the forehead's skin is turned onto the nose on a pedicle, in two stages.
+"""The paramedian forehead flap: a paddle of the forehead's skin is turned onto the nose on a pedicle, in stages.
 
 In the design's plane the pivot P, where the supratrochlear vessels come over the brow, is the origin; the defect's
 middle lies at (-d, 0), radius r. The flap's axis u leaves P so that a turn by the angle t takes it to the defect. The
@@ -11,6 +11,8 @@ as the paddle, whose place heals by itself.
 
 Second stage: the pedicle is cut off at the paddle, whose last edge is sewn in, and at the brow, where a triangle of it
 stays: it goes back between the ends of the donor site, as an inverted V.
+
+Third stage, where a thickness is given: the paddle is thinned to it and comes to rest on the nose.
 
 The brow's side of P stays on its bed.
 """
@@ -26,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_axes import DesignPlane, require_lengths, skin_axes
-from lappet.designs.flap_design import Carry, Corner, Division, Edge, FlapDesign, Seam, Spot
+from lappet.designs.flap_design import Carry, Corner, Division, Edge, FlapDesign, Seam, Spot, Thinned
 from lappet.designs.flat_curves import arc, polyline
 from lappet.designs.library_design import LibraryDesign, Parameter
 from lappet.tissue.placement import Place
@@ -49,6 +51,7 @@ def paramedian_forehead_flap(
     spare: float = 6.0,
     turn: float = 180.0,
     stump: float = 8.0,
+    thinned: float = 0.0,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
     mirrored: bool = False,
@@ -74,6 +77,8 @@ def paramedian_forehead_flap(
         Angle by which the flap turns about the pivot in degrees.
     stump
         Length of what of the pedicle goes back in mm.
+    thinned
+        Thickness of the paddle that a third stage leaves in mm, or 0 for no such stage.
     normal
         Outwards from the skin at the pivot, shape (3,).
     mirrored
@@ -132,6 +137,7 @@ def paramedian_forehead_flap(
             plane.outline(middle + arc(np.zeros(2), r + RIM, 0.0, 360.0)[:-1]),
         ),
         division=_division(plane, flap, middle, stump),
+        thinned=Thinned(plane.points(flap.rim(0.0, 360.0)[:-1]), thinned) if thinned > 0.0 else None,
     )
 
 
@@ -248,6 +254,7 @@ def _refuse(name: str, value: float, possible: str) -> NoReturn:
     raise refused(ProblemCode.DESIGN_RANGE, _NAME, f"{value:g}", name=name, range=possible)
 
 
+_STAGES = "chosen; Menick thins before the pedicle is divided, others afterwards (not read)"
 _DHAWAN = "I. K. Dhawan and N. C. Madan, Supratrochlear artery (off-midline) forehead skin flap, plasticsurgerykey.com"
 _CHOSEN = "chosen: what lies between a brow and a nose"
 PARAMEDIAN_FOREHEAD = LibraryDesign(
@@ -261,6 +268,7 @@ PARAMEDIAN_FOREHEAD = LibraryDesign(
         Parameter("spare", "how much longer the flap is than the distance", "mm", 6.0, 0.0, 25.0, _CHOSEN),
         Parameter("turn", "angle by which the flap turns", "°", 180.0, 120.0, 180.0, "180°: Dhawan and Madan"),
         Parameter("stump", "length of what of the pedicle goes back", "mm", 8.0, 3.0, 20.0, _CHOSEN),
+        Parameter("thinned", "thickness that a third stage leaves, 0 for none", "mm", 0.0, 0.0, 10.0, _STAGES),
     ),
     paramedian_forehead_flap,
     "the pivot, above the inner end of the brow",

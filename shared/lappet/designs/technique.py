@@ -41,6 +41,8 @@ class Schedule:
         The sutures of the second stage begin to draw together.
     rejoin_to
         All seams of the second stage are closed.
+    thin
+        The flap is thinned in a stage of its own.
     """
 
     incise: float = 2
@@ -58,6 +60,7 @@ class Schedule:
     divide: float = 42
     rejoin_from: float = 46
     rejoin_to: float = 56
+    thin: float = 61
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lappet.designs.flap_design import Carry, Division, FlapDesign
 from lappet.designs.seam_sutures import beside_edge, edge_length, suture_runs, sutures
 from lappet.designs.technique import Schedule, Technique
-from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Undermine
+from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Thin, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
 
 Way = Callable[[float], NDArray[np.float64]]  # from a share of the way to a point in mm, shape (3,)
@@ -77,6 +77,7 @@ def flap_operation(
         *(carry_hook(carry, skin, when, how) for carry in design.carries),
         *(suture_runs(design, when, how) if how.runs else sutures(design, skin, when, how)),
         *([] if design.division is None else second_stage(design.division, skin, when, how)),
+        *([] if design.thinned is None else [Thin("thinning", when.thin, design.thinned.outline, design.thinned.left)]),
         *landmarks(design, skin, how),
     )
 

@@ -22,6 +22,7 @@ _LATEST = {
     "Hook": "hooked",
     "Retractor": "held",
     "Suture": "sutured",
+    "Thin": "thinned",
 }
 
 
@@ -121,9 +122,13 @@ def story_steps(
         if len(steps) < MOST_PANELS - 2 and steps[-1].frame < halfway < closed:
             steps.append(Step(halfway, "Drawn together"))
         steps.append(Step(closed, "Sutured", _counted(sum(e.stitches for e in sutures), buried)))
+    thinned = [e for e in events if e.kind == "Thin"]
+    if thinned and len(steps) < MOST_PANELS - 1:
+        steps.append(Step(_at_or_after(frames, max(e.end for e in thinned)), "Flap thinned"))
     if not events:
         steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
-    steps.append(Step(frames[-1], "Final result"))
+    told = any(step.caption == "Flap thinned" for step in steps)
+    steps.append(Step(frames[-1], "Final result", "the flap thinned" if thinned and not told else ""))
     return _distinct(steps)
 
 

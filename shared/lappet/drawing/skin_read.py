@@ -281,6 +281,24 @@ class SkinCache(SkinSource):
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
         return self._curves("Incision", step)
 
+    def thinned_areas(self, step: float) -> dict[str, NDArray[np.float64]]:
+        """Sample the outlines of the areas that are thinned at rest.
+
+        Parameters
+        ----------
+        step
+            Distance between samples in mm.
+
+        Returns
+        -------
+        dict[str, NDArray[np.float64]]
+            By the name of the event a polyline in mm, shape (k, 3), which repeats its first point.
+        """
+        timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
+        names = [each.name for each in self.events if each.kind == "Thin"]
+        lines = {name: self._sampled(timeline.GetChild(name), step, True) for name in names}
+        return {name: line for name, line in lines.items() if line is not None}
+
     def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:
         return self._curves("Undermine", step)
 

@@ -102,6 +102,16 @@ REGIONAL_FLAPS = {
             scar=(44.0, 6.0),
         ),
         RegionalFlap(
+            "web_five_flap",
+            "the first web space of a hand",
+            "web-space",
+            "five-flap-z-plasty",
+            (-447.0, 259.5, 167.0),
+            (-1.0, 0.1, 0.1),
+            {"limb": 8.0},
+            "The web is not contracted, and nothing below its skin keeps it thick.",
+        ),
+        RegionalFlap(
             "cheek_limberg",
             "the cheek",
             "cheek",
@@ -161,8 +171,9 @@ REGIONAL_FLAPS = {
             "paramedian-forehead",
             (18.5, 139.0, 749.0),  # on the supratrochlear artery
             (0.66, 0.0, 0.75),
-            {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0},
-            "Nothing thins the flap, which surgeons do in a stage of its own.",
+            {"diameter": 14.0, "distance": 38.0, "width": 9.0, "spare": 5.0, "turn": 140.0, "thinned": 2.8},
+            "The third stage leaves 2.8 mm of the paddle, as the model `nose` has. It makes the paddle lie lower: as "
+            "the model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
             mirrored=True,
         ),
         RegionalFlap(

@@ -101,9 +101,10 @@ def _epoch_line(epoch: Epoch, program: Program) -> str:
     when = f"frames {frames[0]:g} to {frames[-1]:g}" if frames else f"from {epoch.start_time:g}, no frame of its own"
     origins = {name.name.lower().replace("_", " "): int((surface.origin == name).sum()) for name in FaceOrigin}
     faces = ", ".join(f"{count} {name}" for name, count in origins.items() if count)
+    gone = [f"; {each.name} takes {each.volume:.4g} mm³ from below {each.area:.4g} mm²" for each in epoch.thinned]
     return (
         f"epoch {epoch.index}: {when}; {epoch.fragments} fragment{'' if epoch.fragments == 1 else 's'}, "
-        f"{len(surface.triangles)} triangles ({faces})"
+        f"{len(surface.triangles)} triangles ({faces}){''.join(gone)}"
     )
 
 

@@ -69,6 +69,9 @@ def report(result: SolveResult) -> dict[str, Any]:
             "triangles": len(epoch.surface.triangles),
             "lattice": lattices[epoch.index],
             "lattice_volume_ratio": _volume_ratio(result, epoch),
+            "thinned": [
+                {"event": each.name, "area_mm2": each.area, "volume_mm3": each.volume} for each in epoch.thinned
+            ],
         }
         for epoch in program.epochs
         if epoch.index in lattices

@@ -22,6 +22,8 @@ class LineKind(StrEnum):
     PLAN = "plan"
     UNDERMINED = "undermined"
     UNDERMINED_HATCH = "undermined-hatch"
+    THINNED = "thinned"
+    THINNED_HATCH = "thinned-hatch"
     DISSECTION = "dissection"
     THREAD = "thread"
     INSTRUMENT = "instrument"

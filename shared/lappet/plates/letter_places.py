@@ -28,7 +28,7 @@ _SAMPLE = 0.25  # mm
 _KEPT_OFF = frozenset(
     {
         *(LineKind.PLAN, LineKind.THREAD, LineKind.WOUND_EDGE, LineKind.INSTRUMENT, LineKind.WALL_FOOT),
-        *(LineKind.UNDERMINED, LineKind.CONTOUR),
+        *(LineKind.UNDERMINED, LineKind.THINNED, LineKind.CONTOUR),
     }
 )
 

@@ -46,6 +46,7 @@ AREA_LABELS = {
 STROKE_LABELS = {
     LineKind.PLAN: "label.plan",
     LineKind.UNDERMINED: "label.undermined",
+    LineKind.THINNED: "label.thinned",
     LineKind.DISSECTION: "label.dissection",
     LineKind.INSTRUMENT: "label.instrument",
     LineKind.THREAD: "label.thread",

@@ -41,7 +41,7 @@ from lappet.plates.section_measures import dissection_depth
 from lappet.plates.skin_anchors import SkinAnchors
 from lappet.plates.taken_places import taken_places
 from lappet.plates.told_labels import ToldLabels
-from lappet.plates.undermined_hatch import undermined_hatch
+from lappet.plates.undermined_hatch import thinned_marks, undermined_hatch
 
 LINE = 1.2  # times the size of a text
 _ON_SKIN = 0.6  # mm: a landmark that is seen may lie so far behind the surface
@@ -363,7 +363,8 @@ class PanelMaker:
         later = _later(scene, steps, index) if request.arrows else ()
         more = self._cut_lines(scene, steps, index, insets)
         if request.hatched:
-            more += undermined_hatch(scene, step.time, _HATCH / scene.projection(self.size).scale)
+            apart = _HATCH / scene.projection(self.size).scale
+            more += [*undermined_hatch(scene, step.time, apart), *thinned_marks(scene, step.time, 0.5 * apart)]
         letters = placed if request.letters else None
         pulled = request.arrows and held and step.kind in _PULLED
         pulls = pull_arrows(scene, step.time, scene.projection(self.size)) if pulled else []

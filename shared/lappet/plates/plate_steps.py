@@ -38,6 +38,7 @@ class StepKind(StrEnum):
     SUTURED = "sutured"
     ON_PEDICLE = "on_pedicle"
     DIVIDED = "divided"
+    THINNED = "thinned"
     RESULT = "result"
     FRAME = "frame"
 
@@ -112,6 +113,7 @@ def plate_steps(source: SkinSource, normal: NDArray[np.float64]) -> list[PlateSt
         steps.append(PlateStep(before[-1] if before else last, _cut_kind(first)))
     steps += _pulled(source, normal, pulls, sutures)
     steps += second_stage(frames, events)
+    steps += [PlateStep(_at_or_after(frames, e.start), StepKind.THINNED) for e in events if e.kind == "Thin"]
     if sutures:
         sewn = _at_or_after(frames, max(e.end for e in sutures))
         steps.append(PlateStep(sewn, StepKind.SUTURED, left_open=open_area(source, sewn, normal) > _LEFT_OPEN))
@@ -183,7 +185,8 @@ def _distinct(source: SkinSource, steps: Sequence[PlateStep]) -> list[PlateStep]
     """Steps in order of time without those that look like the one before them."""
     kept: list[PlateStep] = []
     for step in sorted(steps, key=lambda each: each.time):
-        if kept and _same(source, kept[-1].time, step.time):
+        # What is hatched in one of the two tells them apart.
+        if kept and kept[-1].kind != StepKind.THINNED and _same(source, kept[-1].time, step.time):
             continue
         kept.append(step)
     return kept

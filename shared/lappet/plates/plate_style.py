@@ -111,6 +111,8 @@ _PENS = {
     LineKind.PLAN: Pen(0.45, _BLUE),
     LineKind.UNDERMINED: Pen(0.25, _BLUE),
     LineKind.UNDERMINED_HATCH: Pen(0.18, _PALE_BLUE),
+    LineKind.THINNED: Pen(0.3, _BLUE, (0.3, 0.6)),
+    LineKind.THINNED_HATCH: Pen(0.18, _PALE_BLUE),
     LineKind.DISSECTION: Pen(0.6, _BLUE, (1.6, 0.8)),
     LineKind.THREAD: Pen(0.25, "#10204a"),
     LineKind.INSTRUMENT: Pen(0.7, "#5a6068"),
@@ -127,12 +129,16 @@ _PENS = {
     LineKind.MARK_DOT: Pen(0.75, "#7a5aa6"),
 }
 # The surgeon's marking pen: gentian violet.
-_VIOLET = {kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED)}
-_VIOLET[LineKind.UNDERMINED_HATCH] = replace(_PENS[LineKind.UNDERMINED_HATCH], color="#a58fbd")
+_VIOLET = {
+    kind: replace(_PENS[kind], color="#4b2a7d") for kind in (LineKind.PLAN, LineKind.UNDERMINED, LineKind.THINNED)
+}
+_HATCHES = (LineKind.UNDERMINED_HATCH, LineKind.THINNED_HATCH)
+_VIOLET |= {kind: replace(_PENS[kind], color="#a58fbd") for kind in _HATCHES}
 _ON_SKIN = (
     LineKind.PLAN,
     LineKind.UNDERMINED,
-    LineKind.UNDERMINED_HATCH,
+    LineKind.THINNED,
+    *_HATCHES,
     LineKind.MARK,
     LineKind.MARK_DOT,
     LineKind.SKIN_LINE,
@@ -143,7 +149,7 @@ PAINTED = frozenset(
 )
 _BLACK = {kind: replace(pen, color=_INK) for kind, pen in _PENS.items()}
 _BLACK[LineKind.MARK] = _BLACK[LineKind.SKIN_LINE] = Pen(0.18, "#8a8a8a")
-_BLACK[LineKind.UNDERMINED_HATCH] = Pen(0.18, "#9a9a9a")  # recedes behind the hatching of wounds
+_BLACK |= {kind: Pen(0.18, "#9a9a9a") for kind in _HATCHES}  # they recede behind the hatching of wounds
 _EYES = {
     AreaKind.EYE: "#f7f6f3",
     AreaKind.IRIS: "#5b6b74",
@@ -240,7 +246,7 @@ def plate_style(name: str, tone: int | None = None, text: float = LEAST_TEXT, pl
         return replace(style, fills=fills)
     white = {kind: replace(style.pens[kind], color="#f4f6ff") for kind in _ON_SKIN}
     quiet = _between(MONK[tone - 1], "#f4f6ff", 0.35)
-    white[LineKind.UNDERMINED_HATCH] = replace(style.pens[LineKind.UNDERMINED_HATCH], color=quiet)
+    white |= {kind: replace(style.pens[kind], color=quiet) for kind in _HATCHES}
     if tone >= _LIGHT_LINES:
         white |= {kind: replace(style.pens[kind], color=_PALE) for kind in (LineKind.WOUND_EDGE, LineKind.CONTOUR)}
     pens = {**style.pens, **white, LineKind.THREAD: replace(style.pens[LineKind.THREAD], color="#d7e3ff")}

@@ -13,7 +13,7 @@ from lappet.plates.strokes import sampled
 _KINDS = tuple(AreaKind)
 _KEEP_OFF = (
     *(LineKind.PLAN, LineKind.THREAD, LineKind.WOUND_EDGE, LineKind.INSTRUMENT),
-    *(LineKind.UNDERMINED, LineKind.DISSECTION),
+    *(LineKind.UNDERMINED, LineKind.THINNED, LineKind.DISSECTION),
 )
 
 

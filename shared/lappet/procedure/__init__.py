@@ -17,6 +17,7 @@ from lappet.procedure.events import (
     Retractor,
     Section,
     Suture,
+    Thin,
     Traction,
     Undermine,
 )
@@ -93,6 +94,7 @@ __all__ = [
     "SutureOrder",
     "SuturePattern",
     "SutureRun",
+    "Thin",
     "Tissue",
     "Traction",
     "Undermine",

@@ -18,6 +18,7 @@ from lappet.procedure.events import (
     Retractor,
     Section,
     Suture,
+    Thin,
     Traction,
     Undermine,
 )
@@ -76,6 +77,9 @@ def describe(event: Event) -> str:
             return "discards the fragment at " + " and ".join(place(seed) for seed in event.seeds)
         case Undermine():
             return f"frees the bed inside {_curve(event.points, event.basis, True)}"
+        case Thin():
+            dressing = f", a dressing of {number(event.dressing)} kPa on it" if event.dressing > 0.0 else ""
+            return f"leaves {number(event.thickness)} mm inside {_curve(event.points, event.basis, True)}{dressing}"
         case Hook():
             last = event.targets[-1][1] if event.targets else event.anchor
             travel = math.dist(event.anchor, last)

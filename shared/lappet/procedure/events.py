@@ -1,4 +1,4 @@
-"""The surgical events of a timeline: what is cut, freed, pulled, gripped, loaded, sewn, followed and measured.
+"""The surgical events of a timeline: what is cut, freed, thinned, pulled, gripped, loaded, sewn, followed and measured.
 
 Below the classes is what differs from event to event and belongs to none of the later stages: when an event begins, and
 how it is shifted in time. `event_text.py` has its line in the storyboard.
@@ -112,6 +112,49 @@ class Undermine:
 
     def __post_init__(self) -> None:
         set_fields(self, points=single_points(self.points))
+
+
+@dataclass(frozen=True)
+class Thin:
+    """A removal of the deep tissue below the area inside a closed curve on the skin at rest, as a flap is thinned.
+
+    The tissue hangs on no bed there any more: its new underside rests on the ground that the tissue had before any cut,
+    on which a bolster dressing presses it from then on.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the removal; it begins an epoch.
+    points
+        Control points of the curve in mm, shape (n, 3), kept in single precision.
+    thickness
+        What is left of the tissue below the skin in mm, skin included; where it is thinner nothing is removed.
+    basis
+        How the curve runs through or beside its points, as USD's `basis`.
+    dressing
+        Pressure of the dressing on the skin inside the curve in kPa, or 0 for none.
+    duration
+        How many time codes the dressing takes to press with all of it.
+    """
+
+    kind: ClassVar[str] = "Thin"
+    name: str
+    time: float
+    points: tuple[Point, ...]
+    thickness: float
+    basis: Basis = "linear"
+    dressing: float = 1.0
+    duration: float = 4.0
+
+    def __post_init__(self) -> None:
+        set_fields(self, points=single_points(self.points))
+
+    @property
+    def pressed(self) -> str:
+        """What the faces are called on which the dressing presses; no face subset can have that name."""
+        return f"thin:{self.name}"
 
 
 @dataclass(frozen=True)
@@ -358,7 +401,7 @@ class Section:
         set_fields(self, point=double_point(self.point), normal=double_point(self.normal))
 
 
-CUTS = (Incision, Excision, Undermine)  # these begin an epoch at their `time`
+CUTS = (Incision, Excision, Undermine, Thin)  # these begin an epoch at their `time`
 
 
 HOLDS = (Hook, Retractor)  # these act from `start` to `release`
@@ -371,7 +414,18 @@ MEASURES = (Landmark, Section)  # these have no time
 
 
 Event = (
-    Incision | Excision | Undermine | Hook | Retractor | Traction | Pressure | Suture | SutureRun | Landmark | Section
+    Incision
+    | Excision
+    | Undermine
+    | Thin
+    | Hook
+    | Retractor
+    | Traction
+    | Pressure
+    | Suture
+    | SutureRun
+    | Landmark
+    | Section
 )
 
 
@@ -389,7 +443,7 @@ def begins(event: Event) -> float:
         Its time code; minus infinity for what is only measured.
     """
     match event:
-        case Incision() | Excision() | Undermine():
+        case Incision() | Excision() | Undermine() | Thin():
             return event.time
         case Landmark() | Section():
             return -math.inf
@@ -418,7 +472,7 @@ def retimed(event: Event, shift: float) -> Event:
         If the event is a landmark or a section, which have no time.
     """
     match event:
-        case Incision() | Excision() | Undermine():
+        case Incision() | Excision() | Undermine() | Thin():
             return replace(event, time=event.time + shift)
         case Hook():
             targets = tuple((time + shift, target) for time, target in event.targets)

@@ -21,6 +21,7 @@ from lappet.procedure.events import (
     Retractor,
     Section,
     Suture,
+    Thin,
     Traction,
     Undermine,
 )
@@ -75,13 +76,18 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         "fixed": faces("fixed"),
         "bed": faces("bed"),
         "undermining": events(Undermine),
+        "thinning": events(Thin),
         "incisions": events(Incision),
         "excisions": events(Excision),
         "hooks": events(Hook),
         "retractors": events(Retractor),
         "sutures": events(Suture, SutureRun),
         "tractions": events(Traction),
-        "pressures": events(Pressure),
+        "pressures": _named(
+            f"/Procedure/Timeline/{event.name}"
+            for event in procedure.events
+            if isinstance(event, Pressure) or (isinstance(event, Thin) and event.dressing > 0.0)
+        ),
         "rollers": _named(f"/Procedure/Tissue/{roller.faces}" for roller in tissue.rollers),
         "sections": events(Section),
         "landmarks": events(Landmark),

@@ -29,6 +29,7 @@ from lappet.program.materials import activation, materials_in_use, parameters, r
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.strands import strand_program
+from lappet.program.thinned_stitches import out_from
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
 from lappet.suturing.single_sutures import with_single_sutures
 from lappet.tissue.rest_space import RestSpace
@@ -87,6 +88,7 @@ def compile_program(
     epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, settings.self_contact)
     loss = _tissue_loss(procedure)
     off = loss.distance(events.anchors())
+    out, come_out = out_from(epochs, events.sutures)
     vessels, crossings = _vessels(procedure, epochs, spacing)
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
@@ -95,7 +97,7 @@ def compile_program(
     for epoch in epochs:
         own = own_times[epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
-        in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
+        in_tissue = _AnchorsInTissue.of(epoch, events, loss, off, out)
         landmarks.append(in_tissue.landmarks(vessels[epoch.index]))
         anchors_of = in_tissue.event_anchors(own)
         moved.update((each, None) for each in in_tissue.moved(own))
@@ -123,7 +125,7 @@ def compile_program(
         vessels_at=tuple(vessels.values()),
         vessel_crossings=crossings,
         bones=united_bones(procedure.bones),
-        notes=(*moved, *crossed, *crossing_warnings(procedure, crossings)),
+        notes=(*moved, *come_out, *crossed, *crossing_warnings(procedure, crossings)),
     )
 
 
@@ -232,18 +234,27 @@ class _AnchorsInTissue:
     placed: PlacedAnchors
     lost: NDArray[np.bool_]
     shifted: NDArray[np.bool_]
+    ends: NDArray[np.float64]
 
     @classmethod
-    def of(cls, epoch: Epoch, events: TimedEvents, loss: TissueLoss, off: NDArray[np.float64]) -> _AnchorsInTissue:
-        """Place the anchors in the tissue; off: how far outside the uncut tissue each is, shape (q,)."""
+    def of(
+        cls, epoch: Epoch, events: TimedEvents, loss: TissueLoss, off: NDArray[np.float64], out: NDArray[np.float64]
+    ) -> _AnchorsInTissue:
+        """Place the anchors in the tissue.
+
+        off: how far outside the uncut tissue each is, shape (q,). out: when each suture comes out, shape (n,).
+        """
         placed = AnchorSearch(epoch.surface, loss.margin).locate(events.anchors())
-        return cls(events, placed, loss.is_lost(off, placed), loss.is_moved(off, placed))
+        return cls(events, placed, loss.is_lost(off, placed), loss.is_moved(off, placed), out)
 
     def moved(self, own: Sequence[int]) -> list[Problem]:
         """Say which hooks and sutures that act in the epoch's own frames a cut moves, and how far."""
         acting: list[tuple[Hook | Suture, float, float, Sequence[Point]]] = [
             *((hook, hook.start, hook.release, [hook.anchor]) for hook in self.events.hooks),
-            *((suture, suture.start, math.inf, suture.anchors) for suture in self.events.sutures),
+            *(
+                (suture, suture.start, end, suture.anchors)
+                for suture, end in zip(self.events.sutures, self.ends.tolist(), strict=True)
+            ),
         ]
         said, row = [], 0
         for event, start, release, points in acting:
@@ -268,8 +279,8 @@ class _AnchorsInTissue:
             for row, hook in enumerate(self.events.hooks)
         ]
         sutures = [
-            self._placed(suture, rows, suture.start, math.inf, own)
-            for rows, suture in zip(self.events.suture_rows, self.events.sutures, strict=True)
+            self._placed(suture, rows, suture.start, end, own)
+            for rows, suture, end in zip(self.events.suture_rows, self.events.sutures, self.ends.tolist(), strict=True)
         ]
         return EventAnchors(hooks, sutures)
 

@@ -23,6 +23,7 @@ from lappet.procedure import (
     Retractor,
     Section,
     Suture,
+    Thin,
     Traction,
 )
 from lappet.procedure.prim_paths import TIMELINE
@@ -111,7 +112,10 @@ class TimedEvents:
             ),
             loads=tuple(
                 sorted(
-                    (event for event in procedure.events if isinstance(event, Traction | Pressure)),
+                    [
+                        *(event for event in procedure.events if isinstance(event, Traction | Pressure)),
+                        *(_dressing(event) for event in procedure.events if isinstance(event, Thin) and event.dressing),
+                    ],
                     key=lambda event: event.start,
                 )
             ),
@@ -246,6 +250,12 @@ class TimedEvents:
             "load_traction": np.ascontiguousarray(sums[:, :3]),
             "load_pressure": np.ascontiguousarray(sums[:, 3]),
         }
+
+
+def _dressing(event: Thin) -> Pressure:
+    """What presses a thinned flap onto its ground."""
+    samples = ((event.time, 0.0), (event.time + event.duration, event.dressing))
+    return Pressure(event.name, event.pressed, samples if event.duration > 0.0 else samples[1:], event.time, np.inf)
 
 
 def _load_at(load: Traction | Pressure, time: float) -> NDArray[np.float64]:

@@ -26,6 +26,7 @@ from lappet.procedure import (
     Suture,
     SutureMode,
     SutureRun,
+    Thin,
     Traction,
     Undermine,
 )
@@ -39,6 +40,7 @@ EVENT_PRIMS = {
     "LappetIncisionAPI": "BasisCurves",
     "LappetExcisionAPI": "Points",
     "LappetUndermineAPI": "BasisCurves",
+    "LappetThinAPI": "BasisCurves",
     "LappetHookAPI": "Xform",
     "LappetRetractorAPI": "Xform",
     "LappetTractionAPI": "Scope",
@@ -66,7 +68,7 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
     match event:
         case Incision():
             prim = curve_prim(stage, usd, path, event.points, event.basis, event.closed)
-        case Undermine():
+        case Undermine() | Thin():
             prim = curve_prim(stage, usd, path, event.points, event.basis, True)
         case Suture():
             prim = curve_prim(stage, usd, path, event.anchors, "linear", False)
@@ -90,8 +92,10 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             values.double("kerf", event.kerf)
             if event.direction is not None:
                 values.author("direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*event.direction))
-        case Excision() | Undermine():
+        case Excision() | Undermine() | Thin():
             values.double("time", event.time)
+            for name in ("thickness", "dressing", "duration") if isinstance(event, Thin) else ():
+                values.double(name, getattr(event, name))
         case Hook():
             values.author("anchor", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*event.anchor))
             values.double("stiffness", event.stiffness)
@@ -183,11 +187,8 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             return Incision(name, time, points, depth, kerf, basis, closed, direction if any(direction) else None)
         case "LappetExcisionAPI":
             return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
-        case "LappetUndermineAPI":
-            points, basis, closed = read_curve(reader, prim)
-            if not closed:
-                reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
-            return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
+        case "LappetUndermineAPI" | "LappetThinAPI":
+            return _read_area(reader, prim, schema)
         case "LappetHookAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
             anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
@@ -224,6 +225,21 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             )
         case _:
             return Landmark(name, _tuples(reader.points(prim)), reader.text(prim, "lappet:label", name))
+
+
+def _read_area(reader: Reader, prim: Any, schema: str) -> Undermine | Thin:
+    """An area that is undermined or thinned."""
+    name, time = prim.GetName(), reader.number(prim, "lappet:time")
+    points, basis, closed = read_curve(reader, prim)
+    thinned = schema == "LappetThinAPI"
+    if not closed:
+        code = ProblemCode.THIN_OPEN_CURVE if thinned else ProblemCode.UNDERMINE_OPEN_CURVE
+        reader.problem(code, prim.GetPath(), "nonperiodic")
+    if not thinned:
+        return Undermine(name, time, points, basis)
+    dressing = reader.number(prim, "lappet:dressing", Thin.dressing)
+    duration = reader.number(prim, "lappet:duration", Thin.duration)
+    return Thin(name, time, points, reader.number(prim, "lappet:thickness"), basis, dressing, duration)
 
 
 def _targets(reader: Reader, prim: Any, start: float) -> list[tuple[float, NDArray[np.float64]]]:

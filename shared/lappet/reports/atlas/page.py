@@ -37,7 +37,8 @@ the timeline's panel. A design is laid on
 curved skin by geodesics: lines from its middle stay straight and keep their lengths. Where it is larger than the
 skin, it is refused with the place and the share that fits. The Karapandzic flap goes round a mouth: on a model that has
 one it is laid at its distances from the lips' border, elsewhere the mouth is cut as a slit. A flap with a pedicle over
-skin (`paramedian-forehead`) has its second stage in the same timeline.
+skin (`paramedian-forehead`) has its second stage in the same timeline, and with `--set thinned=2.8` a third that thins
+it.
 
 With `--defect`, the name of a closed incision or of a landmark of three points or more, or *region:* and the name of a
 face subset of the tissue, the design lies where that is, as the smallest of its shape whose excision holds it, and its
