@@ -9,6 +9,7 @@ import pytest
 
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epochs import build_epochs
+from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Excision, Incision, Procedure, Tissue, Undermine
 from lappet.tissue.patch import flat_patch
@@ -123,6 +124,25 @@ def test_undermining_a_cut_tissue_twice_adds_up_and_ignores_the_direction():
     bed = [areas(e.surface)[e.surface.bed].sum() for e in found]
     assert bed[1] - bed[2] == pytest.approx(polygon_area(first), rel=0.02)
     assert bed[2] - bed[3] == pytest.approx(polygon_area(second), rel=0.02)
+
+
+def test_a_curve_that_leaves_the_tissue_in_one_piece_is_refused_and_frees_nothing(monkeypatch):
+    """As around a nostril, where the sweep of the curve may miss a fold of the tissue: here a twelfth of it is missing."""
+
+    def with_a_gap(*args: object, **options: object) -> list[Ribbon]:
+        return [
+            replace(
+                ribbon,
+                closed=False,
+                length=float(ribbon.along[-4]),
+                **{name: getattr(ribbon, name)[:-3] for name in ("points", "normals", "sides", "depth", "along")},
+            )
+            for ribbon in skin_ribbons(*args, **options)
+        ]
+
+    monkeypatch.setattr("lappet.cutting.undermining.skin_ribbons", with_a_gap)
+    with refuses(ProblemCode.AREA_NOT_PARTED, "/Procedure/Timeline/around"):
+        epochs(Undermine("around", 5.0, RIGHT))
 
 
 def test_undermining_may_reach_over_the_edge():

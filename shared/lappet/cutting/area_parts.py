@@ -20,6 +20,8 @@ from lappet.geometry.triangles import area_normals, areas
 from lappet.geometry.unique_rows import unique_rows
 
 LINE_KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
+# Of the walls of a part, by area: so much may seem to lie on the other side, where the curve has corners.
+_BOTH = 0.1
 
 
 class AreaParts:
@@ -49,10 +51,13 @@ class AreaParts:
         inside: list[bool] = []
         widths: list[float] = []
         self.within: list[Surface] = []  # the surfaces of the parts inside
+        self.is_parted = True  # no part lies on both sides of the curve
         for k, part in enumerate(solid.decompose()):
             surface = LabeledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
             wall = surface.grips["left"] | surface.grips["right"]
-            inside.append(turns.surround(surface.points[surface.triangles[wall]]))
+            share = turns.share_around(surface.points[surface.triangles[wall]])
+            self.is_parted = self.is_parted and not _BOTH < share < 1.0 - _BOTH
+            inside.append(share > 0.5)
             if inside[-1]:
                 self.within.append(surface)
                 under = surface.points[surface.triangles[surface.origin == FaceOrigin.UNDERSIDE]]
@@ -133,10 +138,10 @@ class _Turns:
         self._left = _winding((self._middles + kerf * self._sides) @ frame.T, curve)
         self._right = _winding((self._middles - kerf * self._sides) @ frame.T, curve)
 
-    def surround(self, walls: NDArray[np.float64]) -> bool:
-        """Whether the curve winds around the skin beside most of these wall triangles (k, 3, 3), by area."""
+    def share_around(self, walls: NDArray[np.float64]) -> float:
+        """The share of these wall triangles (k, 3, 3), by area, beside whose skin the curve winds around it."""
         if len(walls) == 0:
-            return False
+            return 0.0
         normal = area_normals(walls)
         area = np.linalg.norm(normal, axis=1)
         largest = np.argsort(-area, kind="stable")[:64]
@@ -144,7 +149,7 @@ class _Turns:
         section, on_line, _ = self._line.query(behind)
         left = np.einsum("ij,ij->i", behind - on_line, self._sides[section]) > 0.0
         turns = np.where(left, self._left[section], self._right[section])
-        return float(area[largest][turns != 0].sum()) > 0.5 * float(area[largest].sum())
+        return float(area[largest][turns != 0].sum()) / max(float(area[largest].sum()), 1e-300)
 
 
 def _winding(points: NDArray[np.float64], polygon: NDArray[np.float64]) -> NDArray[np.int64]:
