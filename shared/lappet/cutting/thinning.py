@@ -60,7 +60,8 @@ def thin(
     Raises
     ------
     RefusedError
-        If the outline cannot be followed or surrounds no tissue or does not part it, or nothing below it is thicker than is to be left.
+        If the outline cannot be followed or surrounds no tissue or does not part it, or nothing is
+        thicker than is to be left.
     """
     prim = f"{timeline}/{event.name}"
     if not (np.isfinite(event.thickness) and event.thickness > 0.0):
