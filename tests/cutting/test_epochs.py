@@ -136,7 +136,8 @@ def test_undermining_reaches_over_a_ridge_along_the_skin():
         turn = np.clip(x / radius, -half, half)
         out, past = radius - (TOP - z), x - radius * turn
         return np.stack(
-            [out * np.sin(turn) + past * np.cos(turn), y, TOP - radius + out * np.cos(turn) - past * np.sin(turn)], axis=1
+            [out * np.sin(turn) + past * np.cos(turn), y, TOP - radius + out * np.cos(turn) - past * np.sin(turn)],
+            axis=1,
         )
 
     flat = flat_patch(SIZE, 1.0)

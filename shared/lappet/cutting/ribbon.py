@@ -25,6 +25,7 @@ _OVERLAP = 0.1  # of the kerf: how far open ends reach on, so that curves that t
 _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon is broken at the corner
 # Steps between neighbors on the skin from which on the curve went over a ridge between them; so often they are halved.
 _JUMP, _RIDGE_ROUNDS = 3.0, 6
+_CREASE = np.cos(np.radians(30.0))  # of the angle between their normals: a crease lies between them
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,16 +158,18 @@ def skin_ribbons(
 def _over_ridges(
     skin: RestSkin, samples: NDArray[np.float64], placed: SkinPoints, closed: bool, step: float
 ) -> tuple[NDArray[np.float64], SkinPoints]:
-    """Add samples where neighbors dropped onto two sides of a ridge, as of a web of the hand or the side of a nose.
+    """Add samples where neighbors dropped onto two sides of a ridge, as of a web of the hand, or of a crease beside a nose.
 
     A chord of the curve runs below the ridge, and what is nearest to it jumps from one side to the other. From above, what
-    is nearest is the ridge.
+    is nearest is the ridge. Below a crease the tissue is thicker than on its sides.
     """
     for _ in range(_RIDGE_ROUNDS):
         after = np.arange(1, len(samples) + 1) % len(samples)
         apart = np.linalg.norm(placed.points[after] - placed.points, axis=1)
         on = placed.beyond <= 0.0
-        jumps = np.flatnonzero((apart > _JUMP * step) & on & on[after] & (closed | (after > 0)))
+        turn = np.einsum("ij,ij->i", placed.normals, placed.normals[after])
+        far = (apart > _JUMP * step) | ((apart > step) & (turn < _CREASE))
+        jumps = np.flatnonzero(far & on & on[after] & (closed | (after > 0)))
         if not len(jumps):
             break
         upwards = placed.normals[jumps] + placed.normals[after[jumps]]
