@@ -126,8 +126,8 @@ def test_undermining_a_cut_tissue_twice_adds_up_and_ignores_the_direction():
     assert bed[2] - bed[3] == pytest.approx(polygon_area(second), rel=0.02)
 
 
-# Found by the five-flap Z-plasty of a web of the hand: what is nearest to a chord below a ridge jumps from one side of it
-# to the other, the skin between stayed whole, and all of the tissue counted as inside.
+# Found by the five-flap Z-plasty of a web of the hand: what is nearest to a chord below a ridge jumps from one side of
+# it to the other, the skin between stayed whole, and all of the tissue counted as inside.
 def test_undermining_reaches_over_a_ridge_along_the_skin():
     radius, half = 6.0, np.radians(60.0)  # of the bend of the skin; half of the angle between its sides
 

@@ -20,8 +20,8 @@ from lappet.geometry.triangles import area_normals, areas
 from lappet.geometry.unique_rows import unique_rows
 
 LINE_KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
-# Of the walls of a part, by area: so much may seem to lie on the other side, where the curve has corners. What is on both of
-# its sides, and both surrounded and not, hangs together across it.
+# Of the walls of a part, by area: so much may seem to lie on the other side, where the curve has corners. What is on
+# both of its sides, and both surrounded and not, hangs together across it.
 _BOTH = 0.1
 _LINE = "line"
 
@@ -119,8 +119,8 @@ def _cutters(ribbons: list[Ribbon], kerf: float, above: float) -> tuple[list[man
 def _hulls(ribbons: list[Ribbon], kerf: float, above: float) -> tuple[list[manifold3d.Manifold], set[int]]:
     """The same as the convex hulls of every two sections.
 
-    On skin that is bent in two directions the walls of a cutter are twisted, and where it is thinner than they sag they go
-    through each other: it is inside out there and cuts nothing. Hulls are never inside out.
+    On skin that is bent in two directions the walls of a cutter are twisted, and where it is thinner than they sag they
+    go through each other: it is inside out there and cuts nothing. Hulls are never inside out.
     """
     made = []
     for ribbon in ribbons:
@@ -172,7 +172,7 @@ class _Turns:
         self._right = _winding((self._middles - kerf * self._sides) @ frame.T, curve)
 
     def shares(self, walls: NDArray[np.float64]) -> tuple[float, float]:
-        """Of these wall triangles (k, 3, 3), by area: beside which the curve winds around the skin, and which are left."""
+        """Shares by area of wall triangles (k, 3, 3): around whose skin the curve winds, and those on the left."""
         if len(walls) == 0:
             return 0.0, 0.0
         normal = area_normals(walls)

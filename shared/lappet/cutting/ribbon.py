@@ -158,10 +158,10 @@ def skin_ribbons(
 def _over_ridges(
     skin: RestSkin, samples: NDArray[np.float64], placed: SkinPoints, closed: bool, step: float
 ) -> tuple[NDArray[np.float64], SkinPoints]:
-    """Add samples where neighbors dropped onto two sides of a ridge, as of a web of the hand, or of a crease beside a nose.
+    """Add samples where neighbors dropped onto two sides of a ridge, as of a web of the hand, or of a crease.
 
-    A chord of the curve runs below the ridge, and what is nearest to it jumps from one side to the other. From above, what
-    is nearest is the ridge. Below a crease the tissue is thicker than on its sides.
+    A chord of the curve runs below the ridge, and what is nearest to it jumps from one side to the other. From above,
+    what is nearest is the ridge. Below a crease, as beside a nose, the tissue is thicker than on its sides.
     """
     for _ in range(_RIDGE_ROUNDS):
         after = np.arange(1, len(samples) + 1) % len(samples)
