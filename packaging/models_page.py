@@ -139,12 +139,12 @@ def _whole_body() -> list[str]:
         "by a retractor. There is no air in it, no organ, no tendon and no contact between one part and another, and "
         "an activation pulls on what moves the bones without moving them.",
         "",
-        "Solve it with `--precision double`: its six frames then converge at the default tolerances with 10 to 40 Newton "
-        "iterations each. Where walls of bones are closed to a thousandth of the spacing, far from where they were, single "
-        "precision has too few digits: its third frame is never found. Nor is it at 14 mm in either precision, as "
-        "cells there hold walls of two bones that move apart, unless tolerances are looser (`--tolerance 2e-3 "
-        "--gap-tolerance 5e-3`). At 6 mm the first three frames converged in double precision with 17 to 21 iterations; the "
-        "others, finer lattices and further bending are not tried or did not converge.",
+        "Solve it with `--precision double`: its six frames then converge at the default tolerances with 10 to 40 "
+        "Newton iterations each. Where walls of bones are closed to a thousandth of the spacing, far from where they "
+        "were, single precision has too few digits: its third frame was not found. Nor was it at 14 mm in either "
+        "precision, as cells there hold walls of two bones that move apart, unless tolerances are looser "
+        "(`--tolerance 2e-3 --gap-tolerance 5e-3`). At 6 mm the first three frames converged in double precision with "
+        "17 to 21 iterations; the others, finer lattices and further bending are not tried or did not converge.",
         "",
         f"Soft tissue has {SOFT_TISSUE.youngs_modulus:g} kPa and muscle {MUSCLE.youngs_modulus:g} kPa "
         "(chosen), with an "

@@ -78,6 +78,7 @@ REPORT: dict[str, Any] = {
                 "bytes": NUMBER, "seconds": NUMBER,
             },
             "lattice_volume_ratio": NUMBER,
+            "thinned": list,
         }
     ],
     "complete": bool,

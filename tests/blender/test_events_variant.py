@@ -188,7 +188,7 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
         panel = SimpleNamespace(layout=Drawn(log))
         timeline_panel.LAPPET_PT_timeline.draw(panel, bpy.context)
         assert {field for what, field in log if what == "prop"} == fields | {"title"}
-        assert log.count(("operator", "wm.tool_set_by_id")) == 8, "a tool for every kind"
+        assert log.count(("operator", "wm.tool_set_by_id")) == 9, "a tool for every kind"
         row: list[tuple[str, str]] = []
         timeline_panel.LAPPET_UL_events.draw_item(
             SimpleNamespace(), bpy.context, Drawn(row), None, pulled.lappet.events[name], 0, None, ""

@@ -9,6 +9,7 @@ import pytest
 
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epochs import build_epochs
+from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Excision, Incision, Procedure, Tissue, Undermine
 from lappet.tissue.patch import flat_patch
@@ -123,6 +124,45 @@ def test_undermining_a_cut_tissue_twice_adds_up_and_ignores_the_direction():
     bed = [areas(e.surface)[e.surface.bed].sum() for e in found]
     assert bed[1] - bed[2] == pytest.approx(polygon_area(first), rel=0.02)
     assert bed[2] - bed[3] == pytest.approx(polygon_area(second), rel=0.02)
+
+
+# Found by the five-flap Z-plasty of a web of the hand: what is nearest to a chord below a ridge jumps from one side of
+# it to the other, the skin between stayed whole, and all of the tissue counted as inside.
+def test_undermining_reaches_over_a_ridge_along_the_skin():
+    radius, half = 6.0, np.radians(60.0)  # of the bend of the skin; half of the angle between its sides
+
+    def bent(points):
+        x, y, z = np.asarray(points, np.float64).T
+        turn = np.clip(x / radius, -half, half)
+        out, past = radius - (TOP - z), x - radius * turn
+        return np.stack(
+            [out * np.sin(turn) + past * np.cos(turn), y, TOP - radius + out * np.cos(turn) - past * np.sin(turn)],
+            axis=1,
+        )
+
+    flat = flat_patch(SIZE, 1.0)
+    corners = bent([(-12.0, -6.0, TOP), (12.0, -6.0, TOP), (12.0, 6.0, TOP), (-12.0, 6.0, TOP)])
+    event = Undermine("over", 3.0, tuple(tuple(map(float, corner)) for corner in corners))
+    surface = epochs(event, tissue=replace(flat, points=bent(flat.points)))[-1].surface
+    freed = areas(surface)[(surface.origin == FaceOrigin.UNDERSIDE) & ~surface.bed].sum()
+    assert freed == pytest.approx(12.0 * (24.0 - 2.0 * TOP * half), rel=0.03)
+
+
+def test_a_curve_that_leaves_the_tissue_in_one_piece_is_refused_and_frees_nothing(monkeypatch):
+    def with_a_gap(*args: object, **options: object) -> list[Ribbon]:
+        return [
+            replace(
+                ribbon,
+                closed=False,
+                length=float(ribbon.along[-4]),
+                **{name: getattr(ribbon, name)[:-3] for name in ("points", "normals", "sides", "depth", "along")},
+            )
+            for ribbon in skin_ribbons(*args, **options)
+        ]
+
+    monkeypatch.setattr("lappet.cutting.undermining.skin_ribbons", with_a_gap)
+    with refuses(ProblemCode.AREA_NOT_PARTED, "/Procedure/Timeline/around"):
+        epochs(Undermine("around", 5.0, RIGHT))
 
 
 def test_undermining_may_reach_over_the_edge():

@@ -131,6 +131,7 @@ class ProblemCode(StrEnum):
     EXCISION_SEED_GONE = auto()
     EXCISION_IN_ONE_PIECE = auto()
     EXCISION_OF_ALL = auto()
+    AREA_NOT_PARTED = auto()
     UNDERMINE_NO_AREA = auto()
     UNDERMINE_NO_BED = auto()
     THIN_NO_AREA = auto()

@@ -20,6 +20,10 @@ from lappet.geometry.triangles import area_normals, areas
 from lappet.geometry.unique_rows import unique_rows
 
 LINE_KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
+# Of the walls of a part, by area: so much may seem to lie on the other side, where the curve has corners. What is on
+# both of its sides, and both surrounded and not, hangs together across it.
+_BOTH = 0.1
+_LINE = "line"
 
 
 class AreaParts:
@@ -38,21 +42,21 @@ class AreaParts:
     """
 
     def __init__(self, rest: LabeledSolid, ribbons: list[Ribbon], kerf: float, spacing: float) -> None:
-        left, right, other = (manifold3d.Manifold.reserve_ids(3) + k for k in range(3))
-        walls = {i: Label(FaceOrigin.WOUND_WALL, grips=(name,)) for i, name in ((left, "left"), (right, "right"))}
-        walls[other] = Label(FaceOrigin.WOUND_WALL)
-        solids = [cutter(ribbon, kerf, spacing, (left, right, other)) for ribbon in ribbons]
-        solid = manifold3d.Manifold.batch_boolean([rest.solid, *solids], manifold3d.OpType.Subtract)
         self.line = _sheet(ribbons)
         turns = _Turns(ribbons, self.line, kerf)
+        # What a cut would make, if that parts the tissue.
+        for line in (_cutters, _hulls):
+            parts = _parted(rest, line(ribbons, kerf, spacing))
+            shares = [turns.shares(part.points[part.triangles[part.grips[_LINE]]]) for part in parts]
+            self.is_parted = not any(all(_BOTH < share < 1.0 - _BOTH for share in both) for both in shares)
+            if self.is_parted:
+                break
         corners, owner, known, known_owner = [], [], [], []
         inside: list[bool] = []
         widths: list[float] = []
         self.within: list[Surface] = []  # the surfaces of the parts inside
-        for k, part in enumerate(solid.decompose()):
-            surface = LabeledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
-            wall = surface.grips["left"] | surface.grips["right"]
-            inside.append(turns.surround(surface.points[surface.triangles[wall]]))
+        for k, (surface, (around, _)) in enumerate(zip(parts, shares, strict=True)):
+            inside.append(around > 0.5)
             if inside[-1]:
                 self.within.append(surface)
                 under = surface.points[surface.triangles[surface.origin == FaceOrigin.UNDERSIDE]]
@@ -106,6 +110,40 @@ class AreaParts:
         return result
 
 
+def _cutters(ribbons: list[Ribbon], kerf: float, above: float) -> tuple[list[manifold3d.Manifold], set[int]]:
+    """Solids as of a cut along the curve, and the run ids of their walls."""
+    wall = manifold3d.Manifold.reserve_ids(2)
+    return [cutter(ribbon, kerf, above, (wall, wall, wall + 1)) for ribbon in ribbons], {wall}
+
+
+def _hulls(ribbons: list[Ribbon], kerf: float, above: float) -> tuple[list[manifold3d.Manifold], set[int]]:
+    """The same as the convex hulls of every two sections.
+
+    On skin that is bent in two directions the walls of a cutter are twisted, and where it is thinner than they sag they
+    go through each other: it is inside out there and cuts nothing. Hulls are never inside out.
+    """
+    made = []
+    for ribbon in ribbons:
+        half = 0.5 * kerf * ribbon.sides
+        top, low = ribbon.points + above * ribbon.normals, ribbon.points - ribbon.depth[:, None] * ribbon.normals
+        sections = np.stack([top + half, top - half, low + half, low - half], axis=1)
+        following = np.roll(sections, -1, axis=0) if ribbon.closed else sections[1:]
+        pairs = np.concatenate([sections[: len(following)], following], axis=1)
+        made += [manifold3d.Manifold.hull_points(pair) for pair in pairs]
+    solid = manifold3d.Manifold.batch_boolean(made, manifold3d.OpType.Add).as_original()
+    return [solid], {solid.original_id()}
+
+
+def _parted(rest: LabeledSolid, line: tuple[list[manifold3d.Manifold], set[int]]) -> list[Surface]:
+    """The surfaces of the parts that solids along the curve leave; `_LINE` is where their walls cut."""
+    solids, walls = line
+    left = manifold3d.Manifold.batch_boolean([rest.solid, *solids], manifold3d.OpType.Subtract)
+    ids = {int(k) for solid in solids for k in np.asarray(solid.to_mesh().run_original_id)} | walls
+    grips = {k: (_LINE,) if k in walls else () for k in ids}
+    labels = {**rest.labels, **{k: Label(FaceOrigin.WOUND_WALL, grips=grips[k]) for k in ids}}
+    return [LabeledSolid(part, labels, (_LINE,)).surface() for part in left.decompose()]
+
+
 def _first_equal(points: NDArray[np.float64], known: NDArray[np.float64]) -> NDArray[np.int64]:
     """The first of the known points (n, 3) that each point (k, 3) is equal to; -1 where there is none."""
     _, which = unique_rows(np.concatenate([known, points]))
@@ -133,18 +171,20 @@ class _Turns:
         self._left = _winding((self._middles + kerf * self._sides) @ frame.T, curve)
         self._right = _winding((self._middles - kerf * self._sides) @ frame.T, curve)
 
-    def surround(self, walls: NDArray[np.float64]) -> bool:
-        """Whether the curve winds around the skin beside most of these wall triangles (k, 3, 3), by area."""
+    def shares(self, walls: NDArray[np.float64]) -> tuple[float, float]:
+        """Shares by area of wall triangles (k, 3, 3): around whose skin the curve winds, and those on the left."""
         if len(walls) == 0:
-            return False
+            return 0.0, 0.0
         normal = area_normals(walls)
         area = np.linalg.norm(normal, axis=1)
         largest = np.argsort(-area, kind="stable")[:64]
-        behind = walls[largest].mean(axis=1) - self._kerf * normal[largest] / np.maximum(area[largest], 1e-300)[:, None]
+        area = area[largest]
+        behind = walls[largest].mean(axis=1) - self._kerf * normal[largest] / np.maximum(area, 1e-300)[:, None]
         section, on_line, _ = self._line.query(behind)
         left = np.einsum("ij,ij->i", behind - on_line, self._sides[section]) > 0.0
         turns = np.where(left, self._left[section], self._right[section])
-        return float(area[largest][turns != 0].sum()) > 0.5 * float(area[largest].sum())
+        whole = max(float(area.sum()), 1e-300)
+        return float(area[turns != 0].sum()) / whole, float(area[left].sum()) / whole
 
 
 def _winding(points: NDArray[np.float64], polygon: NDArray[np.float64]) -> NDArray[np.int64]:

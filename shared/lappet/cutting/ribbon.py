@@ -23,6 +23,9 @@ _STEP = 1.0  # mm
 _MOST_STEPS = 400
 _OVERLAP = 0.1  # of the kerf: how far open ends reach on, so that curves that touch are joined at any kerf
 _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon is broken at the corner
+# Steps between neighbors on the skin from which on the curve went over a ridge between them; so often they are halved.
+_JUMP, _RIDGE_ROUNDS = 3.0, 6
+_CREASE = np.cos(np.radians(30.0))  # of the angle between their normals: a crease lies between them
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +136,8 @@ def skin_ribbons(
         step = min(spacing, max(_STEP, float(way) / _MOST_STEPS))
     samples = sample_curve(points, basis, closed, step, prim)
     placed = skin.locate(samples)
+    if direction is None:
+        samples, placed = _over_ridges(skin, samples, placed, closed, step)
     # A blade with a direction of its own meets no skin beside a rim: there the curve may be drawn in the air.
     control = np.asarray(points, np.float64) if direction is None else None
     _check_on_skin(skin, control, samples, placed, basis, spacing, prim)
@@ -148,6 +153,31 @@ def skin_ribbons(
         at = Place.at(samples[0], samples[-1])
         raise refused(ProblemCode.CUT_NO_LENGTH, prim, first, place=at, first=first, last=last)
     return ribbons
+
+
+def _over_ridges(
+    skin: RestSkin, samples: NDArray[np.float64], placed: SkinPoints, closed: bool, step: float
+) -> tuple[NDArray[np.float64], SkinPoints]:
+    """Add samples where neighbors dropped onto two sides of a ridge, as of a web of the hand, or of a crease.
+
+    A chord of the curve runs below the ridge, and what is nearest to it jumps from one side to the other. From above,
+    what is nearest is the ridge. Below a crease, as beside a nose, the tissue is thicker than on its sides.
+    """
+    for _ in range(_RIDGE_ROUNDS):
+        after = np.arange(1, len(samples) + 1) % len(samples)
+        apart = np.linalg.norm(placed.points[after] - placed.points, axis=1)
+        on = placed.beyond <= 0.0
+        turn = np.einsum("ij,ij->i", placed.normals, placed.normals[after])
+        far = (apart > _JUMP * step) | ((apart > step) & (turn < _CREASE))
+        jumps = np.flatnonzero(far & on & on[after] & (closed | (after > 0)))
+        if not len(jumps):
+            break
+        upwards = placed.normals[jumps] + placed.normals[after[jumps]]
+        upwards /= np.maximum(np.linalg.norm(upwards, axis=1, keepdims=True), 1e-300)
+        middles = 0.5 * (placed.points[jumps] + placed.points[after[jumps]]) + 0.5 * apart[jumps, None] * upwards
+        samples = np.insert(samples, jumps + 1, skin.locate(middles).points, axis=0)
+        placed = skin.locate(samples)
+    return samples, placed
 
 
 def _check_on_skin(

@@ -60,7 +60,8 @@ def thin(
     Raises
     ------
     RefusedError
-        If the outline cannot be followed or surrounds no tissue, or nothing below it is thicker than is to be left.
+        If the outline cannot be followed or surrounds no tissue or does not part it, or nothing is
+        thicker than is to be left.
     """
     prim = f"{timeline}/{event.name}"
     if not (np.isfinite(event.thickness) and event.thickness > 0.0):
@@ -68,6 +69,8 @@ def thin(
     kerf = LINE_KERF * min(spacing, 1.0)
     ribbons = skin_ribbons(skin, event.points, prim=prim, basis=event.basis, closed=True, kerf=kerf, spacing=spacing)
     parts = AreaParts(rest, ribbons, kerf, spacing)
+    if not parts.is_parted:
+        raise refused(ProblemCode.AREA_NOT_PARTED, prim, place=Place.at(*event.points))
     if not parts.within:
         raise refused(ProblemCode.THIN_NO_AREA, prim)
     label = manifold3d.Manifold.reserve_ids(1)

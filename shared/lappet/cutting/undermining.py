@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import refused
+from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.area_parts import LINE_KERF, AreaParts
 from lappet.cutting.ribbon import skin_ribbons
@@ -52,12 +52,14 @@ def undermine(
     Raises
     ------
     RefusedError
-        If the curve cannot be followed, misses the tissue or has no bed below it.
+        If the curve cannot be followed, misses the tissue or does not part it, or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"
     kerf = LINE_KERF * min(spacing, 1.0)
     ribbons = skin_ribbons(skin, event.points, prim=prim, basis=event.basis, closed=True, kerf=kerf, spacing=spacing)
     parts = AreaParts(rest, ribbons, kerf, spacing)
+    if not parts.is_parted:
+        raise refused(ProblemCode.AREA_NOT_PARTED, prim, place=Place.at(*event.points))
     if not parts.inside.any():
         raise refused(ProblemCode.UNDERMINE_NO_AREA, prim)
     below, inside = _inside(surface, parts)
