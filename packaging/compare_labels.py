@@ -31,7 +31,6 @@ SETS, MOST = 50, 20
 _LINE = 1.2 * LEAST_TEXT * POINT
 _GAP = 0.4 * _LINE  # between a text and its leader
 _TOUCH = 0.05  # mm: what is nearer to each other than that touches
-_SINCE = ("label.thinned",)  # words since the comparison, whose sets stay what they were
 _WIDEST = 14.0  # mm: of two columns of longer texts nothing is left of a panel
 
 
@@ -54,8 +53,7 @@ class Placed:
 def label_set(seed: int) -> LabelSet:
     """Make a set of 2 to `MOST` labels of places in the middle half of a panel, with words of the catalogue."""
     font = PlateFont()
-    texts_of = plate_words("en").texts.items()
-    every = [text for key, text in texts_of if key.startswith("label.") and key not in _SINCE]
+    every = [text for key, text in plate_words("en").texts.items() if key.startswith("label.")]
     words = [text for text in every if font.width(text, LEAST_TEXT * POINT) <= _WIDEST]
     rng = np.random.default_rng(seed)
     count = int(rng.integers(2, MOST + 1))

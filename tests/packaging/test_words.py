@@ -60,7 +60,6 @@ WORDS = (
     Word(r"pump(s|ed|ing)?|Pump", "solve_timer", ADDON),
     Word(r"shelf|Shelf", "frame_cache", ADDON),
     Word(r"boards?|Board", "display_collection", ADDON),
-    Word(r"(?<=class )\w*Dressing|(?<=import )dressing|\.dressing(?= import)", "skin_decorations"),  # not a bandage
     Word(r"paces?|Pace", "speed_estimate", ADDON),
     Word(r"single_click|SingleClick", "click_tool"),
     Word(r"vitals", "polled_state"),

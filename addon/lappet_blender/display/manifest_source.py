@@ -16,7 +16,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.drawing.second_stage import second_stage_from
 from lappet.drawing.skin_source import FigureError, SkinEpoch, StepEvent, Strands, VesselLine
 from lappet.geometry.curve import sample_curve
-from lappet.procedure.events import Basis
+from lappet.procedure.cuts import Basis
 from lappet.solve.bite_forces import bite_points
 
 from ..events.run_preview import stitches_of

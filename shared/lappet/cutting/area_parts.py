@@ -124,9 +124,7 @@ def _hulls(ribbons: list[Ribbon], kerf: float, above: float) -> tuple[list[manif
     """
     made = []
     for ribbon in ribbons:
-        half = 0.5 * kerf * ribbon.sides
-        top, low = ribbon.points + above * ribbon.normals, ribbon.points - ribbon.depth[:, None] * ribbon.normals
-        sections = np.stack([top + half, top - half, low + half, low - half], axis=1)
+        sections = ribbon.sections(kerf, above)
         following = np.roll(sections, -1, axis=0) if ribbon.closed else sections[1:]
         pairs = np.concatenate([sections[: len(following)], following], axis=1)
         made += [manifold3d.Manifold.hull_points(pair) for pair in pairs]

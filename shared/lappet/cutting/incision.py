@@ -46,9 +46,7 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
     manifold3d.Manifold
         The solid.
     """
-    half = 0.5 * kerf * ribbon.sides
-    top, low = ribbon.points + above * ribbon.normals, ribbon.points - ribbon.depth[:, None] * ribbon.normals
-    position = np.stack([top + half, top - half, low + half, low - half], axis=1)  # left, right, left, right
+    position = ribbon.sections(kerf, above)
     along, depth = ribbon.along, ribbon.depth
     if ribbon.closed:
         position = np.concatenate([position, position[:1]])

@@ -60,6 +60,25 @@ class Ribbon:
     closed: bool
     length: float
 
+    def sections(self, kerf: float, above: float) -> NDArray[np.float64]:
+        """Find the corners of the cross-sections of what it sweeps.
+
+        Parameters
+        ----------
+        kerf
+            Width of the cut in mm.
+        above
+            Height over the skin at which they end in mm.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Left and right above the skin, left and right at its depth, in mm, shape (k, 4, 3).
+        """
+        half = 0.5 * kerf * self.sides
+        top, low = self.points + above * self.normals, self.points - self.depth[:, None] * self.normals
+        return np.stack([top + half, top - half, low + half, low - half], axis=1)
+
 
 @dataclass(frozen=True, eq=False)
 class _Path:

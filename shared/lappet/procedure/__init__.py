@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
+from lappet.procedure.cuts import CUTS, Basis, Excision, Incision, Thin, Undermine
 from lappet.procedure.events import (
-    CUTS,
     HOLDS,
     LOADS,
     MEASURES,
-    Basis,
     Event,
-    Excision,
     Hook,
-    Incision,
     Landmark,
     Pressure,
     Retractor,
     Section,
     Suture,
-    Thin,
     Traction,
-    Undermine,
 )
 from lappet.procedure.exact_values import Point
 from lappet.procedure.laid_flap import FlapLines, LaidFlap

@@ -8,19 +8,16 @@ from itertools import pairwise
 
 import numpy as np
 
+from lappet.procedure.cuts import Excision, Incision, Thin, Undermine
 from lappet.procedure.events import (
     Event,
-    Excision,
     Hook,
-    Incision,
     Landmark,
     Pressure,
     Retractor,
     Section,
     Suture,
-    Thin,
     Traction,
-    Undermine,
 )
 from lappet.procedure.exact_values import Point
 from lappet.procedure.plain_text import number, place

@@ -11,19 +11,16 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS
 from lappet.foreign.regular_file import refuse_irregular
+from lappet.procedure.cuts import Excision, Incision, Thin, Undermine
 from lappet.procedure.events import (
     Event,
-    Excision,
     Hook,
-    Incision,
     Landmark,
     Pressure,
     Retractor,
     Section,
     Suture,
-    Thin,
     Traction,
-    Undermine,
 )
 from lappet.procedure.suture_run import SutureRun
 from lappet.procedure.tissue import Material

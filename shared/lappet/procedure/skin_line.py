@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lappet.procedure.events import Basis
+from lappet.procedure.cuts import Basis
 from lappet.procedure.exact_values import Point, set_fields, single_points
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, cast, get_args
 
-from lappet.procedure.events import Basis
+from lappet.procedure.cuts import Basis
 from lappet.procedure.exact_values import Point, set_fields, single_points
 
 VesselKind = Literal["artery", "vein", "nerve", "lymphatic"]
