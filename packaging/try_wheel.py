@@ -14,6 +14,7 @@ import sys
 import tempfile
 import venv
 from pathlib import Path
+from typing import Any
 
 # A coarse lattice and the frames in which the wound is cut, the flaps are undermined and the hooks begin to pull.
 SETTINGS = ("--spacing", "4", "--frames", "1:12", "--no-error-estimate")
@@ -30,7 +31,7 @@ def wheel_at(place: Path) -> Path:
     return found[0]
 
 
-def try_wheel(wheel: Path, folder: Path) -> dict[str, object]:
+def try_wheel(wheel: Path, folder: Path) -> dict[str, Any]:
     """Install the wheel into an environment in `folder`, solve the demo and return the report of it.
 
     Raises CalledProcessError where a step fails; it has printed why.
@@ -52,7 +53,7 @@ def try_wheel(wheel: Path, folder: Path) -> dict[str, object]:
     demo = run("-c", _ASK).strip()
     output = ("-o", str(folder / "demo.usdc"), "--report", str(report), "--store", str(folder / "store"))
     run("-m", "lappet", "solve", demo, *SETTINGS, *output)
-    told: dict[str, object] = json.loads(report.read_text(encoding="utf-8"))
+    told: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
     return told
 
 
@@ -71,7 +72,11 @@ def main(arguments: list[str]) -> int:
     except subprocess.CalledProcessError as error:
         print(f"try_wheel: {' '.join(error.cmd[2:5])} failed; its message is above.", file=sys.stderr)
         return 1
-    print(f"{wheel.name}: the demo is solved, {report}")
+    machine = report["machine"]
+    print(
+        f"{wheel.name}: the demo is solved on {machine['system']}, Python {machine['python']}: "
+        f"{report['frames_solved']} frames in {report['wall_seconds']:.1f} s, complete: {report['complete']}"
+    )
     return 0
 
 
