@@ -3,6 +3,7 @@
 #
 #   bash packaging/cross/build.sh TARGET            the daemon, into build/cross/TARGET/bin with the BLAS that it loads
 #   bash packaging/cross/build.sh TARGET --tests    its unit tests too, and runs them (windows-x64 and both of Linux)
+#   bash packaging/cross/build.sh TARGET --kernels  the tests of its NEON kernels alone too, and runs them (linux-arm64)
 #
 # TARGET: windows-x64, linux-x64, linux-arm64, macos-arm64 or macos-x64. Compilers: Debian's mingw-w64 for Windows, for the
 # others the clang of the wheel ziglang, which brings the C libraries of Linux and of macOS. libzmq, TBB, CHOLMOD and
@@ -22,23 +23,25 @@ refuse() {
     printf 'cross build: %s\n' "$*" >&2
     exit 1
 }
-target="" with_tests=no
+target="" with_tests=no with_kernels=no
 for argument in "$@"; do
     case "$argument" in
         --tests) with_tests=yes ;;
+        --kernels) with_kernels=yes ;;
         windows-x64) target="$argument" blas=libscipy_openblas.dll pip_platform=win_amd64 ;;
         linux-x64) target="$argument" blas=libscipy_openblas.so pip_platform=manylinux_2_28_x86_64 ;;
         linux-arm64) target="$argument" blas=libscipy_openblas.so pip_platform=manylinux_2_28_aarch64 ;;
         macos-arm64) target="$argument" blas=libscipy_openblas.dylib pip_platform=macosx_12_0_arm64 ;;
         macos-x64) target="$argument" blas=libscipy_openblas.dylib pip_platform=macosx_12_0_x86_64 ;;
-        *) refuse "unknown argument '$argument'; there are windows-x64, linux-x64, linux-arm64, macos-arm64, macos-x64" \
-            "and --tests." ;;
+        *) refuse "unknown argument '$argument'; there are windows-x64, linux-x64, linux-arm64, macos-arm64, macos-x64," \
+            "--tests and --kernels." ;;
     esac
 done
 [ -n "$target" ] || refuse "name the target: windows-x64, linux-x64, linux-arm64, macos-arm64 or macos-x64."
 case "$target" in
     macos-*) [ "$with_tests" = no ] || refuse "the tests for $target run on such a machine only; leave out --tests." ;;
 esac
+[ "$with_kernels" = no ] || [ "$target" = linux-arm64 ] || refuse "--kernels is of linux-arm64 only; leave it out."
 work="$cross/$target"
 prefix="$work/prefix"
 mkdir -p "$prefix/lib"
@@ -193,6 +196,7 @@ daemon() {
         options=(-DLAPPET_BUILD_TESTS=ON)
         targets+=(solverd_tests)
     fi
+    [ "$with_kernels" = no ] || targets+=(neon_twins)
     # Warnings are errors where the checkout is built; those of another compiler are not.
     cmake -G Ninja -S . -B "$build" --toolchain "$work/toolchain.cmake" -DCMAKE_BUILD_TYPE=Release \
         -DLAPPET_WARNINGS_AS_ERRORS=OFF -DLAPPET_BUILD_BENCHMARKS=OFF "${options[@]}" >"$work/daemon.log" ||
@@ -211,6 +215,13 @@ unit_tests() {
     (cd "$work/daemon" && ctest --output-on-failure --parallel "$jobs")
 }
 
+kernel_tests() {
+    command -v qemu-aarch64 >/dev/null || refuse "qemu-aarch64 is missing; install the package qemu-user."
+    say "running the tests of the NEON kernels under qemu"
+    OPENBLAS_CORETYPE=ARMV8 LD_LIBRARY_PATH="$work/bin" qemu-aarch64 -cpu cortex-a72 -L /usr/aarch64-linux-gnu \
+        "$work/daemon/solverd/neon_twins"
+}
+
 case "$target" in
     windows-x64) install_packages all windows ;;
     *) install_packages all ;;
@@ -223,3 +234,4 @@ printf 'set(LAPPET_TARGET %s)\ninclude("%s/toolchain.cmake")\n' "$target" "$here
 libraries
 daemon
 [ "$with_tests" = no ] || unit_tests
+[ "$with_kernels" = no ] || kernel_tests

@@ -25,8 +25,10 @@ using Factorize = void (*)(const char* triangle, const int* size, double* matrix
 
 int main() {
   cholmod_common common;
-  cholmod_start(&common);  // so that the linker keeps CHOLMOD, and with it LAPACK
+  cholmod_start(&common);
   cholmod_finish(&common);
+  // So that the linker keeps CHOLMOD's factorization, also of a static library, and with it LAPACK.
+  [[maybe_unused]] const volatile auto kept = &cholmod_super_numeric;
   lappet::keep_blas_serial();
   const auto factorize = reinterpret_cast<Factorize>(lappet::loaded_function("dpotrf_"));
   if (factorize == nullptr) {
