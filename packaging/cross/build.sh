@@ -141,7 +141,7 @@ fetch_openblas() {
     mkdir -p "$work/bin"
     cp -u "$work/openblas/scipy_openblas32/lib/$blas" "$work/bin/"
     if [ "$target" != windows-x64 ]; then
-        ln -sfn "$work/bin/$blas" "$prefix/lib/$blas"
+        ln -sfn "../../bin/$blas" "$prefix/lib/$blas" # a folder that is moved keeps it
         return
     fi
     [ -f "$prefix/lib/$blas.a" ] && return
