@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from background_owner import SETTINGS, Owner, daemon_of, kill, owner
+from lappet.background.held import HeldHook
 from lappet.background.live_session import LiveSession
 from lappet.background.worker_events import Finished, FrameFailed, FrameReady, LiveFrame, Refused, WorkerEvent
 from lappet.core.problem import Problem
@@ -17,7 +18,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
-from lappet.procedure import Hook, Incision, Point
+from lappet.procedure import Hook, Incision, Point, pose_at
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones
 from lappet.program.settings import SolverSettings
@@ -27,10 +28,10 @@ from small_procedure import TOP, FakeSolver, small_procedure
 
 def pulled(own: Owner, job: int, target: Point) -> LiveFrame:
     """Moves the hook and waits for the skin at that target."""
-    own.solver.live_target(job, target)
+    own.solver.live_target(job, pose_at(target))
 
     def there(each: WorkerEvent) -> bool:
-        return isinstance(each, LiveFrame) and each.job == job and each.target == target
+        return isinstance(each, LiveFrame) and each.job == job and each.target == pose_at(target)
 
     found = own.until(there)
     assert isinstance(found, LiveFrame)
@@ -188,7 +189,7 @@ def test_a_frame_before_that_fails_ends_live_mode_with_its_reason(tmp_path: Path
 
 def session(solver: FakeSolver, notes: list[Problem]) -> LiveSession:
     """A session at the slit's first pulled frame, from the frame before it."""
-    return LiveSession(compile_program(small_procedure()), 3, 0, None, solver.connect, notes.append)
+    return LiveSession(compile_program(small_procedure()), 3, HeldHook(0), None, solver.connect, notes.append)
 
 
 def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved() -> None:
@@ -208,8 +209,8 @@ def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved()
             return inner
 
     live = session(Recording(), [])
-    live.pull((1.0, 2.0, 3.0), lambda _: None)
-    live.pull((4.0, 5.0, 6.0), lambda _: None)
+    live.pull(pose_at((1.0, 2.0, 3.0)), lambda _: None)
+    live.pull(pose_at((4.0, 5.0, 6.0)), lambda _: None)
     settings, *frames = asked
     assert settings.tolerance == 1e-2
     assert [frame.hook_targets.tolist() for frame in frames] == [[[1.0, 2.0, 3.0]], [[4.0, 5.0, 6.0]]]
@@ -219,7 +220,7 @@ def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved()
 def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
     solver, notes = FakeSolver(), []
     live = session(solver, notes)
-    value = float(live.pull((1.0, 2.0, 3.0), lambda _: None).state.nodes[0, 0])
+    value = float(live.pull(pose_at((1.0, 2.0, 3.0)), lambda _: None).state.nodes[0, 0])
     deaths = [SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "it was ended by SIGKILL.")]
 
     def dies_once(_: float) -> None:
@@ -227,7 +228,7 @@ def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
             raise deaths.pop()
 
     solver.before = dies_once
-    live.pull((1.0, 2.0, 4.0), lambda _: None)
+    live.pull(pose_at((1.0, 2.0, 4.0)), lambda _: None)
     assert ("state", value) in solver.log
     (note,) = notes
     assert note.code == ProblemCode.DAEMON_RESTARTED
@@ -242,7 +243,7 @@ def test_a_session_whose_solver_dies_three_times_gives_up() -> None:
 
     solver = FakeSolver(before=dies)
     with pytest.raises(SolverDiedError):
-        session(solver, []).pull((1.0, 2.0, 3.0), lambda _: None)
+        session(solver, []).pull(pose_at((1.0, 2.0, 3.0)), lambda _: None)
     assert solver.opened == solver.closed == 3
 
 
@@ -255,6 +256,6 @@ def test_a_state_of_the_epoch_before_is_carried_into_the_frames_own() -> None:
     solver.log.clear()
 
     moved = replace(program, frames=(program.frames[0], *program.frames[2:]))
-    live = LiveSession(moved, 1, 0, (0, before), solver.connect, lambda _: None)
-    live.pull((0.0, 3.0, 3.0), lambda _: None)
+    live = LiveSession(moved, 1, HeldHook(0), (0, before), solver.connect, lambda _: None)
+    live.pull(pose_at((0.0, 3.0, 3.0)), lambda _: None)
     assert [what for what, _ in solver.log] == ["epoch", "state", "epoch", "solve"]
