@@ -9,7 +9,7 @@ import pytest
 from fake_worker import Script
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.procedure import Hook, place_of, pose_at
+from lappet.procedure import Hook, Retractor, place_of, pose_at
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.keyframes import curves_of
 from lappet_blender.solving import controller, frames
@@ -193,6 +193,23 @@ def test_the_skin_follows_a_hook_that_is_still_being_placed_and_no_event_is_made
     assert states(patch) == "ssssssss"
     np.testing.assert_array_equal(frames.shown_at(patch, 5).frame.points, before)
     assert not patch.lappet.solving.live
+
+
+def test_a_retractor_is_placed_with_its_faces_as_a_group_that_only_the_solver_knows(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    solve(patch)
+    patch.frame_set(5)
+    tissue = controller.controller_of(patch).procedure.tissue
+    held = Retractor("retractor_1", "grip_1", ((5.0, pose_at((-2.0, 2.0, 2.0))),), 5.0, 9.0)
+    placing = place_live(patch, held, np.array([0, 2]))
+    asked = controller.controller_of(patch).job.procedure
+    assert asked.tissue.subsets["grip_1"].tolist() == [0, 2]
+    assert asked.events[-1] == held
+    assert "grip_1" not in tissue.subsets
+    end_placing(patch, placing)
+    run_timer(QUIET)
+    assert states(patch) == "ssssssss"
 
 
 def test_a_hook_is_placed_without_the_skin_where_somebody_would_wait_for_it(

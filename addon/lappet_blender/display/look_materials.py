@@ -20,6 +20,7 @@ from .time_slice import TimeSlice
 PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
 _MADE_FOR = "lappet_made_for"
 _PATIENT = TimeSlice(soon=False)
+_TILED = "lappet_tiled"  # of a material: Solid shading has its picture
 _DRESSED_AS = "lappet_dressed_as"  # of a mesh: the color and prefix of the roles of its materials
 
 
@@ -69,13 +70,15 @@ def skin_materials(
     name = color.lower()
 
     def skin() -> bpy.types.Material:
-        made = skin_material.skin_material(name, pixel, highest, space, opacity)
-        if name in ("grid", "checker"):
-            add_tile(made, name)
-        return made
+        return skin_material.skin_material(name, pixel, highest, space, opacity)
 
     roles = _skin_roles(color, prefix)
     first = _kept(collection, roles[0], f"{units:g} {pixel:.3f} {opacity:g}", skin, time_slice)
+    if first is not None and name in ("grid", "checker") and _TILED not in first:
+        if not time_slice.begins():
+            return None
+        add_tile(first, name)
+        first[_TILED] = True
     if first is not None and name in SCALARS:
         skin_material.set_full_scale(first, highest)
     others: tuple[Callable[[TissueLayers, Space], bpy.types.Material], ...] = (

@@ -12,7 +12,7 @@ from lappet.background.job import CancelledError, Job
 from lappet.background.live_session import LiveSession
 from lappet.background.manifest import Manifest
 from lappet.background.solve_job import SolveJobs, stoppable
-from lappet.background.worker_events import FrameFailed, LiveFrame, Note
+from lappet.background.worker_events import FrameFailed, Listed, LiveFrame, Note
 from lappet.background.worker_requests import Ask
 from lappet.core.problem import Problem, RefusedError, refused
 from lappet.core.problem_code import ProblemCode
@@ -27,9 +27,8 @@ class LiveJobs(SolveJobs):
     """A runner of live jobs; each lasts until it is cancelled."""
 
     def _run(self, job: Job) -> int:
-        manifest = self.manifest(job)
-        compiled = self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step)
-        index = _index(manifest, job.ask)
+        compiled = self._compiled(job)
+        index = _index(compiled.manifest, job.ask)
         held = held_in(compiled.program, job.ask.procedure, job.ask.held)
         _check_pulls(compiled.program, index, held, job.ask)
         try:
@@ -54,6 +53,17 @@ class LiveJobs(SolveJobs):
         finally:
             session.close()
 
+    def _compiled(self, job: Job) -> Compiled:
+        """The program to pull in, its manifest told to the owner."""
+        ask = job.ask
+        if ask.before is None:
+            self.manifest(job)
+            return self.compilation.compiled(ask.procedure, ask.settings, job.step)
+        compiled = self.compilation.placed(ask.before, ask.procedure, ask.settings, job.step)
+        self.tell(Listed(job.number, compiled.manifest, (False,) * len(compiled.manifest.frames)))
+        job.at = ask.time
+        return compiled
+
     def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
         """The epoch and the state to begin with; None: at rest. Raises _UnsolvedError."""
         if job.ask.before is not None:
@@ -75,7 +85,7 @@ class LiveJobs(SolveJobs):
     def _start_before(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
         """The same where what is held is no part yet of the procedure whose frames are known.
 
-        Its cuts are the same and so are its nodes, but where a retractor grips an epoch, keys of frames before it
+        The tissue is the same and so are its nodes, but where a retractor grips an epoch the keys of all its frames
         differ.
         """
         if index == 0 or job.ask.before is None:
