@@ -53,7 +53,7 @@ def first_script(blender: Driver) -> Steps:
     blender.expect(not names, f"nothing of the new file lies in the wound: {names}")
     yield 1.0
     with blender.override():
-        bpy.ops.view3d.view_all()
+        bpy.ops.view3d.view_camera()  # Home would show all of the stage's paper, in which the skin is a dot
     yield from blender.show_tab("Lappet")
     yield from blender.screenshot("first_script_window")
 
