@@ -20,13 +20,48 @@ class Held(Protocol):
     """What is dragged."""
 
     def pulls(self, frame: FrameConstraints) -> bool:
-        """Whether it acts in a frame."""
+        """Tell whether it acts in a frame.
+
+        Parameters
+        ----------
+        frame
+            The frame.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
 
     def own_target(self, frame: FrameConstraints) -> Pose:
-        """Where the program has it in a frame."""
+        """Return where the program has it in a frame.
+
+        Parameters
+        ----------
+        frame
+            A frame in which it pulls.
+
+        Returns
+        -------
+        Pose
+            Where it is.
+        """
 
     def moved(self, frame: FrameConstraints, target: Pose) -> FrameConstraints:
-        """The frame with it elsewhere."""
+        """Have it elsewhere.
+
+        Parameters
+        ----------
+        frame
+            A frame in which it pulls.
+        target
+            Where to.
+
+        Returns
+        -------
+        FrameConstraints
+            The frame.
+        """
 
 
 @dataclass(frozen=True)
