@@ -18,7 +18,7 @@ CACHE = ROOT / "build" / "extension"
 # What `lappet` imports when the add-on drives it. numpy is Blender's own; a wheel of usd-core would stand before
 # Blender's pxr for every add-on. trimesh reads mesh files for the command line; Blender reads them itself.
 BUNDLED = ("manifold3d", "msgpack", "platformdirs", "pyzmq")
-# Blender 4.5 to 5.1, Blender 5.2, and the Python that Debian builds its Blender 5.2 with: on Linux only.
+# Blender 4.5 and 5.0, Blender 5.1 and 5.2, and the Python that Debian builds its Blender 5.2 with: on Linux only.
 PYTHONS = ("3.11", "3.13", "3.14")
 OF_DEBIAN = ("3.14",)
 # Blender's name of a platform -> what pip calls those whose wheels run there.

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from background_owner import SETTINGS, Owner, daemon_of, kill, owner
+from lappet.background.held import HeldHook, held_in
 from lappet.background.live_session import LiveSession
 from lappet.background.worker_events import Finished, FrameFailed, FrameReady, LiveFrame, Refused, WorkerEvent
 from lappet.core.problem import Problem
@@ -17,7 +18,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
-from lappet.procedure import Hook, Incision, Point
+from lappet.procedure import Hook, Incision, Point, Procedure, Retractor, matrix_pose, pose_at
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones
 from lappet.program.settings import SolverSettings
@@ -27,10 +28,10 @@ from small_procedure import TOP, FakeSolver, small_procedure
 
 def pulled(own: Owner, job: int, target: Point) -> LiveFrame:
     """Moves the hook and waits for the skin at that target."""
-    own.solver.live_target(job, target)
+    own.solver.live_target(job, pose_at(target))
 
     def there(each: WorkerEvent) -> bool:
-        return isinstance(each, LiveFrame) and each.job == job and each.target == target
+        return isinstance(each, LiveFrame) and each.job == job and each.target == pose_at(target)
 
     found = own.until(there)
     assert isinstance(found, LiveFrame)
@@ -188,7 +189,7 @@ def test_a_frame_before_that_fails_ends_live_mode_with_its_reason(tmp_path: Path
 
 def session(solver: FakeSolver, notes: list[Problem]) -> LiveSession:
     """A session at the slit's first pulled frame, from the frame before it."""
-    return LiveSession(compile_program(small_procedure()), 3, 0, None, solver.connect, notes.append)
+    return LiveSession(compile_program(small_procedure()), 3, HeldHook(0), None, solver.connect, notes.append)
 
 
 def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved() -> None:
@@ -208,18 +209,80 @@ def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved()
             return inner
 
     live = session(Recording(), [])
-    live.pull((1.0, 2.0, 3.0), lambda _: None)
-    live.pull((4.0, 5.0, 6.0), lambda _: None)
+    live.pull(pose_at((1.0, 2.0, 3.0)), lambda _: None)
+    live.pull(pose_at((4.0, 5.0, 6.0)), lambda _: None)
     settings, *frames = asked
     assert settings.tolerance == 1e-2
     assert [frame.hook_targets.tolist() for frame in frames] == [[[1.0, 2.0, 3.0]], [[4.0, 5.0, 6.0]]]
     assert replace(frames[0], hook_targets=frames[1].hook_targets).time == 4.0
 
 
+def gripped() -> Procedure:
+    """The small procedure with a group of faces at its end, which nothing holds yet."""
+    given = small_procedure()
+    tissue = given.tissue
+    ends = np.cumsum(tissue.face_vertex_counts)
+    corners = [
+        tissue.face_vertex_indices[end - count : end]
+        for end, count in zip(ends, tissue.face_vertex_counts, strict=True)
+    ]
+    middles = np.array([tissue.points[each].mean(axis=0) for each in corners])
+    near = (np.abs(middles[:, :2] - (0.0, 2.0)) < 2.0).all(axis=1) & (middles[:, 2] > TOP - 0.1)
+    faces = np.flatnonzero(near).astype(np.int32)
+    assert len(faces)
+    return replace(given, tissue=replace(tissue, subsets={**tissue.subsets, "grip": faces}))
+
+
+def retractor(start: float = 5.0) -> Retractor:
+    """It holds that group."""
+    return Retractor("retractor", "grip", ((start, pose_at((0.0, 2.0, TOP))),), start, 9.0)
+
+
+def test_a_retractor_moves_by_its_pose_from_where_it_took_hold() -> None:
+    given = gripped().with_events(retractor())
+    program = compile_program(given)
+    held = held_in(program, given, "retractor")
+    frame = program.frames[4]
+    assert held.own_target(frame) == pytest.approx(pose_at((0.0, 2.0, TOP)))
+    assert [held.pulls(each) for each in program.frames] == [False] * 4 + [True] * 4
+    angle = 0.3
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, (1.0, 3.0, TOP + 2.0)
+    (motion,) = held.moved(frame, matrix_pose(pose)).retractor_motion
+    place = np.array([0.0, 2.0, TOP])
+    for offset in ((0.0, 0.0, 0.0), (1.5, 0.0, 0.0)):
+        moved = motion @ np.append(place + offset, 1.0)
+        np.testing.assert_allclose(moved[:3], pose[:3, 3] + turn @ offset, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_the_skin_follows_a_retractor_that_a_tool_still_places_from_the_frames_without_it(
+    tmp_path: Path, binary: Path
+) -> None:
+    """In its epoch the keys of all frames differ, since it grips the epoch; none of them is solved again."""
+    known = small_procedure(events=small_procedure().events[:1])
+    tissue = gripped().tissue
+    with owner(tmp_path) as own:
+        solve = own.solver.solve(known, SETTINGS, until=4)
+        own.finished(solve)
+        asked = replace(known, tissue=tissue).with_events(retractor())
+        job = own.solver.live(asked, SETTINGS, 5, "retractor", before=known)
+        first = opened(own, job)
+        assert not own.of(FrameReady, job)
+        for shown, placed in zip(own.manifest(solve).manifest.epochs, own.manifest(job).manifest.epochs, strict=True):
+            assert shown.key == placed.key, "the window has one picture for both"
+        live = pulled(own, job, (0.0, 3.0, TOP + 2.0))
+        assert live.converged
+        way = live.frame.points - first.frame.points
+        lifted = np.linalg.norm(way, axis=1).argmax()
+        np.testing.assert_allclose(way[lifted], (0.0, 1.0, 2.0), atol=0.3)
+
+
 def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
     solver, notes = FakeSolver(), []
     live = session(solver, notes)
-    value = float(live.pull((1.0, 2.0, 3.0), lambda _: None).state.nodes[0, 0])
+    value = float(live.pull(pose_at((1.0, 2.0, 3.0)), lambda _: None).state.nodes[0, 0])
     deaths = [SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "it was ended by SIGKILL.")]
 
     def dies_once(_: float) -> None:
@@ -227,7 +290,7 @@ def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
             raise deaths.pop()
 
     solver.before = dies_once
-    live.pull((1.0, 2.0, 4.0), lambda _: None)
+    live.pull(pose_at((1.0, 2.0, 4.0)), lambda _: None)
     assert ("state", value) in solver.log
     (note,) = notes
     assert note.code == ProblemCode.DAEMON_RESTARTED
@@ -242,7 +305,7 @@ def test_a_session_whose_solver_dies_three_times_gives_up() -> None:
 
     solver = FakeSolver(before=dies)
     with pytest.raises(SolverDiedError):
-        session(solver, []).pull((1.0, 2.0, 3.0), lambda _: None)
+        session(solver, []).pull(pose_at((1.0, 2.0, 3.0)), lambda _: None)
     assert solver.opened == solver.closed == 3
 
 
@@ -255,6 +318,6 @@ def test_a_state_of_the_epoch_before_is_carried_into_the_frames_own() -> None:
     solver.log.clear()
 
     moved = replace(program, frames=(program.frames[0], *program.frames[2:]))
-    live = LiveSession(moved, 1, 0, (0, before), solver.connect, lambda _: None)
-    live.pull((0.0, 3.0, 3.0), lambda _: None)
+    live = LiveSession(moved, 1, HeldHook(0), (0, before), solver.connect, lambda _: None)
+    live.pull(pose_at((0.0, 3.0, 3.0)), lambda _: None)
     assert [what for what, _ in solver.log] == ["epoch", "state", "epoch", "solve"]

@@ -24,7 +24,7 @@ from lappet.core.problem import Place, Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
-from lappet.procedure import Bone, Hook, Incision, Landmark, Procedure, Suture
+from lappet.procedure import Bone, Hook, Incision, Landmark, Procedure, Suture, pose_at
 from lappet.program.settings import SolverSettings
 from small_procedure import small_procedure
 
@@ -111,16 +111,18 @@ def test_plans_and_events_come_back_with_every_bit() -> None:
         Refused(2, (Problem(ProblemCode.MESH_OPEN, TISSUE, "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
-        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, LARGE, 0.25),
-        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, None, 0.25),
+        LiveFrame(4, 7, pose_at((0.1, -0.0, 1e308)), shown, LARGE, 0.25),
+        LiveFrame(4, 7, pose_at((0.1, -0.0, 1e308)), shown, None, 0.25),
         Note(5, LARGE),
     ):
         assert same_bits(unpack(pack(value), WorkerEvent), value)
 
 
 def test_requests_come_back_with_every_bit() -> None:
-    ask = Ask(1, "live", small_procedure(), SolverSettings(), time=5, hook="hook", identity="solver")
-    for value in (ask, Aim(2, (0.1, -0.0, 1e308)), Cancel(3)):
+    ask = Ask(
+        1, "live", small_procedure(), SolverSettings(), time=5, held="hook", before=small_procedure(), identity="solver"
+    )
+    for value in (ask, Aim(2, pose_at((0.1, -0.0, 1e308))), Cancel(3)):
         assert same_bits(unpack(pack(value), WorkerRequest), value)
     with pytest.raises(CodecError, match="not known"):
         unpack(pack(ask), WorkerEvent)

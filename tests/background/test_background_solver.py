@@ -25,7 +25,7 @@ from lappet.core.problem import problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
 from lappet.output.solve_to_cache import solve_procedure
-from lappet.procedure import Suture
+from lappet.procedure import Suture, pose_at
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from small_procedure import TOP, small_procedure
@@ -213,7 +213,7 @@ def test_the_worker_imports_neither_usd_nor_blender_nor_the_command_line(binary:
 def test_what_happened_in_a_closed_or_unknown_job_is_nothing(tmp_path: Path) -> None:
     solver = BackgroundSolver(store=tmp_path)
     solver.cancel(7)
-    solver.live_target(7, (0.0, 0.0, 0.0))
+    solver.live_target(7, pose_at((0.0, 0.0, 0.0)))
     assert solver.poll() == []
     solver.close()
     solver.close()

@@ -32,7 +32,7 @@ from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.running_daemon import RunningDaemon
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, StageSeconds
-from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
+from lappet.procedure import CUTS, Event, Hook, Landmark, Pose, Procedure, place_of, pose_at
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
@@ -73,7 +73,7 @@ class FakeWorker:
         self.store = store
         self.closed = False
         self.daemon: RunningDaemon | None = None
-        self.targets: list[tuple[float, float, float]] = []
+        self.targets: list[Pose] = []
         self.cancelled: set[int] = set()
         self._number = 0
         self._jobs: dict[int, Iterator[WorkerEvent]] = {}
@@ -84,11 +84,13 @@ class FakeWorker:
     def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         return self._ask("solve", procedure, settings, lambda job, p, s: self._solving(job, p, s, until))
 
-    def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
+    def live(
+        self, procedure: Procedure, settings: SolverSettings, time: int, held: str, before: Procedure | None = None
+    ) -> int:
         self.targets.clear()
         return self._ask("live", procedure, settings, lambda job, p, s: self._pulling(job, p, s, time))
 
-    def live_target(self, job: int, target: tuple[float, float, float]) -> None:
+    def live_target(self, job: int, target: Pose) -> None:
         self.targets.append(target)
 
     def cancel(self, job: int) -> None:
@@ -162,10 +164,12 @@ class FakeWorker:
         yield from self._listing(job, procedure, settings)
         manifest = make_manifest(procedure, settings, self.script.points)
         rest = manifest.epochs[manifest.frames[time - manifest.frames[0].time].epoch].rest
-        target = next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1]
+        target = pose_at(next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1])
         while True:
             target = self.targets[-1] if self.targets else target
-            yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), None, 0.05)
+            yield LiveFrame(
+                job, time, target, SolvedFrame(float(time), rest + np.float32(place_of(target))), None, 0.05
+            )
 
 
 def make_manifest(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Manifest:

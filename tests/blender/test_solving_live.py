@@ -9,11 +9,11 @@ import pytest
 from fake_worker import Script
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.procedure import Hook
+from lappet.procedure import Hook, Retractor, place_of, pose_at
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.keyframes import curves_of
 from lappet_blender.solving import controller, frames
-from lappet_blender.solving.placed_hook import end_placing, place_live, pull_live
+from lappet_blender.solving.placed_drag import end_placing, place_live, pull_live
 from lappet_blender.solving.solve_timer import run_timer
 from refusals import refusal_code
 from solving_steps import QUIET, live_points, solve, states
@@ -48,7 +48,11 @@ def test_the_skin_follows_the_target_and_only_the_frame_it_is_dragged_at(live: b
             run_timer()
         np.testing.assert_allclose(live_points(live)[0], (0.0, 3.0, z), atol=1e-6)
         np.testing.assert_array_equal(frames.shown_at(live, 5).frame.points, live_points(live))
-    assert script.workers[-1].targets == [(0.0, 3.0, 4.0), (0.0, 3.0, 5.5), (0.0, 3.0, 7.0)]
+    assert [place_of(each) for each in script.workers[-1].targets] == [
+        (0.0, 3.0, 4.0),
+        (0.0, 3.0, 5.5),
+        (0.0, 3.0, 7.0),
+    ]
     assert frames.shown_at(live, 6).frame.points[0, 2] == 7.0
     assert states(live) == "ssssssss", "nothing is read anew while it is dragged"
 
@@ -176,7 +180,7 @@ def test_the_skin_follows_a_hook_that_is_still_being_placed_and_no_event_is_made
     before = frames.shown_at(patch, 5).frame.points
     placing = place_live(patch, HELD)
     for z in (3.0, 6.0):
-        pull_live(patch, placing, (-2.0, 2.0, z))
+        pull_live(patch, placing, pose_at((-2.0, 2.0, z)))
         for _ in range(4):
             run_timer()
         np.testing.assert_allclose(live_points(patch)[0], (-2.0, 2.0, z), atol=1e-6)
@@ -189,6 +193,23 @@ def test_the_skin_follows_a_hook_that_is_still_being_placed_and_no_event_is_made
     assert states(patch) == "ssssssss"
     np.testing.assert_array_equal(frames.shown_at(patch, 5).frame.points, before)
     assert not patch.lappet.solving.live
+
+
+def test_a_retractor_is_placed_with_its_faces_as_a_group_that_only_the_solver_knows(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    solve(patch)
+    patch.frame_set(5)
+    tissue = controller.controller_of(patch).procedure.tissue
+    held = Retractor("retractor_1", "grip_1", ((5.0, pose_at((-2.0, 2.0, 2.0))),), 5.0, 9.0)
+    placing = place_live(patch, held, np.array([0, 2]))
+    asked = controller.controller_of(patch).job.procedure
+    assert asked.tissue.subsets["grip_1"].tolist() == [0, 2]
+    assert asked.events[-1] == held
+    assert "grip_1" not in tissue.subsets
+    end_placing(patch, placing)
+    run_timer(QUIET)
+    assert states(patch) == "ssssssss"
 
 
 def test_a_hook_is_placed_without_the_skin_where_somebody_would_wait_for_it(
@@ -204,8 +225,8 @@ def test_a_hook_is_placed_without_the_skin_where_somebody_would_wait_for_it(
     patch.frame_set(6)
     run_timer(QUIET)
     assert controller.controller_of(patch).live is None, "it went to another frame"
-    pull_live(patch, placing, (0.0, 0.0, 9.0))
-    assert (0.0, 0.0, 9.0) not in script.workers[-1].targets
+    pull_live(patch, placing, pose_at((0.0, 0.0, 9.0)))
+    assert pose_at((0.0, 0.0, 9.0)) not in script.workers[-1].targets
     find_event(patch, "hook_1").stiffness = 33.0
     bpy.ops.lappet.solve()
     assert place_live(patch, HELD) is None, "a solve is under way"

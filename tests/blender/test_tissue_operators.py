@@ -51,7 +51,8 @@ def test_an_open_surface_is_thickened_and_laid_out_flat_at_1_unit_per_100_mm(sce
     assert tissue.spacing == 0.75  # a quarter of the thickness: the tissue is small
     length = np.linalg.norm(np.diff(tissue.uv[[0, 1]], axis=0))
     assert length == pytest.approx(0.025, rel=1e-4)  # an edge of 2.5 mm
-    assert obj.data.uv_layers.active is not None
+    # On its own thread, as the tissue is: Blender's user does not wait, and the mesh stays what it is.
+    assert obj.data.uv_layers.active is None
 
 
 @pytest.mark.parametrize(

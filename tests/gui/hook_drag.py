@@ -1,4 +1,4 @@
-"""The first drag of a hook in a real window: the skin follows while the button is down: `run.py hook_drag.py`."""
+"""The first drag of hook and retractor in a real window: the skin follows the held button: `run.py hook_drag.py`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Quaternion
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -78,6 +79,51 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.wait_until(
         lambda: frames.frame_state(bpy.context.scene, 2) == "solved", 3.0, "frames stay solved"
     )
+    yield from retractor(blender)
+
+
+def retractor(blender: Driver) -> Steps:
+    """The flap's tip is gripped and lifted by the tool Retractor; then its target is turned, live."""
+    control = import_module(f"{MODULE}.solving.controller")
+    yield 1.0
+    rest = shown(bpy.context.scene)
+    yield from blender.set_tool("lappet.retractor")
+    yield from drag(blender, "lifted", expected=True, release="ESC")
+    yield 1.0
+    blender.expect(len(events()) == 1 and moved(rest) < 0.01, "Esc leaves no retractor, and the skin as it was")
+    blender.expect(groups() == [], "and no group of faces")
+    yield from drag(blender, "retracted", expected=True)
+    held = last()
+    blender.expect(held.name == "retractor_1" and held.start == 3.0, "it is placed at this frame, with a group")
+    blender.expect(groups() == ["grip_1"], f"which is made then: {groups()}")
+    yield 2.0
+    scene = bpy.context.scene
+    scene.frame_set(3)
+    scene.lappet.active_event = len(scene.lappet.events) - 1
+    bpy.ops.lappet.live("INVOKE_DEFAULT")
+    live = control.controller_of(scene).live
+    yield from blender.wait_until(lambda: live.frame is not None, 90.0, "live: the skin is there")
+    before = shown(scene)
+    turned = held.target.rotation_quaternion
+    held.target.rotation_quaternion = turned @ Quaternion((0.0, 1.0, 0.0), 0.5)
+    yield from blender.wait_until(lambda: moved(before) > 0.3, 20.0, "a retractor that turns takes the skin along")
+    blender.notes["turned"] = f"{moved(before):.1f} mm"
+    yield 2.0
+    yield from blender.screenshot("hook_turned")
+    yield from blender.move(blender.within(0.5, 0.5))
+    yield from blender.key("RET")
+    yield from blender.wait_until(lambda: control.controller_of(scene).live is None, 3.0, "Return ends it")
+    turn = held.target.rotation_quaternion.copy()
+    scene.frame_set(1)
+    scene.frame_set(3)
+    left = held.target.rotation_quaternion.rotation_difference(turn).angle
+    blender.expect(turn.angle > 0.4 and left < 1e-4, f"its turn is keyed: {turn.angle:.2f}, {left:.5f} rad away")
+
+
+def groups() -> list[str]:
+    """The groups of faces that retractors may grip."""
+    mesh = bpy.context.scene.lappet.tissue.object.data
+    return sorted(each.name.removeprefix("lappet_") for each in mesh.attributes if each.name.startswith("lappet_grip"))
 
 
 def drag(blender: Driver, name: str, expected: bool, release: str = "RELEASE") -> Steps:

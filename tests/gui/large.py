@@ -83,16 +83,10 @@ def made_tissue(measured: Measured, across: int, along: int) -> Steps:
     """A sheet becomes the tissue, and events are placed on it."""
     blender = measured.blender
     made = sheet(across, along)
-    uv = made.data.uv_layers.new(name="UVMap", do_init=False)  # to lay it out flat takes seconds, once, and it has to
-    x, y = (np.array([vertex.co[k] for vertex in made.data.vertices]) for k in (0, 1))
-    corner = np.empty(len(made.data.loops), np.int32)
-    made.data.loops.foreach_get("vertex_index", corner)
-    uv.uv.foreach_set("vector", (np.stack([x, y], axis=1)[corner] * 0.01).astype(np.float32).ravel())
     blender.expect(len(made.data.vertices) == across * along, f"the skin has {len(made.data.vertices)} vertices")
     with blender.override():
         bpy.ops.lappet.tissue_set(object="sheet", thickness=5.0, spacing=2.0)
-    blender.notes["making it the tissue"] = measured.pulse.words()
-    measured.pulse.begin()
+    measured.noted("making it the tissue")
     yield from measured.until(measured.read, 60.0, "it is read")
     yield 1.0 + measured.patience
     measured.noted("reading the tissue")
@@ -176,7 +170,9 @@ def dragging(blender: Driver, pulse: Pulse, seconds: float) -> Steps:
     scene = bpy.context.scene
     scene.lappet.active_event = next(i for i, event in enumerate(scene.lappet.events) if event.kind == "HOOK")
     scene.frame_set(5)
-    yield from blender.wait_until(lambda: control.controller_of(scene).job is None, 60.0, "nothing is solved any more")
+    yield from blender.wait_until(
+        lambda: control.controller_of(scene).job is None, 60.0 + 30.0 * seconds, "nothing is solved any more"
+    )
     pulse.begin()
     bpy.ops.lappet.live()
     live = control.controller_of(scene).live

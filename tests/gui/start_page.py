@@ -70,8 +70,52 @@ def assets(blender: Driver) -> Steps:
     )
     left = [each.name for each in scene.objects if "lappet_asset" in each]
     blender.expect(not left, f"and the object that stood for it is gone: {left}")
+    yield from one_of_each(blender, library)
     area.ui_type = "TIMELINE"
     yield 0.3
+
+
+def one_of_each(blender: Driver, library: str) -> Steps:
+    """One asset of every kind is dropped; a model into a scene of its own, since it brings its tissue."""
+    scene = blender.window.scene
+    items = import_module(f"{MODULE}.start.asset_items").asset_items()
+    threads = import_module(f"{MODULE}.model.event_kinds").THREAD_OF
+    events = scene.lappet.events
+
+    def drop(kind: str, name: str, file: str = "lappet.blend") -> Steps:
+        title = next((each.title for each in items if (each.kind, each.name) == (kind, name)), name)
+        with blender.override():
+            bpy.ops.wm.append(directory=f"{library}/{file}/Object/", filename=title)
+        yield 1.0
+
+    scene.lappet.active_event = next(i for i, each in enumerate(events) if each.kind in ("SUTURE", "SUTURE_RUN"))
+    sewn = events[scene.lappet.active_event].name
+    yield from drop("thread", "nylon 4-0")
+    found = events[sewn]
+    blender.expect(threads.get(found.thread) == "nylon 4-0" and found.mode == "THREAD", f"a thread: {found.thread}")
+    count = len(events)
+    yield from drop("instrument", "landmark")
+    blender.expect(len(events) == count + 1 and events[-1].kind == "LANDMARK", "a landmark is placed")
+    yield from drop("material", "fat")
+    blender.expect(scene.lappet.tissue.material.startswith("fat"), f"a material: {scene.lappet.tissue.material}")
+    plates = len(scene.lappet.pages)
+    yield from drop("plate", "steps")
+    blender.expect(len(scene.lappet.pages) == plates + 1, "a plate is added")
+    yield from drop("flap", "Limberg flap", "flaps.blend")
+    blender.expect("Limberg flap" in scene.objects, "a flap's plan lies in the scene, to be turned, scaled and laid")
+    yield from blender.screenshot("dropped")
+    yield from drop("model", "patch")
+    names = [each.name for each in scene.objects if "lappet_asset" in each]
+    blender.expect(not names, f"a model is refused where there is a tissue, and its object is gone: {names}")
+    fresh = bpy.data.scenes.new("Second")
+    blender.window.scene = fresh
+    yield 0.5
+    yield from drop("model", "patch")
+    yield 3.0
+    blender.expect(fresh.lappet.tissue.object is not None, "into an empty scene a model brings its tissue")
+    yield from blender.screenshot("dropped_model")
+    blender.window.scene = scene
+    yield 0.5
 
 
 def plate(blender: Driver) -> Steps:

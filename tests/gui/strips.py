@@ -76,8 +76,12 @@ def scenario(blender: Driver) -> Steps:
     editor = blender.area(EDITOR)
     with blender.override(area=EDITOR):
         bpy.ops.action.view_all()
-        blender.expect(bpy.ops.lappet.strips_room() == {"FINISHED"}, "there is an act that makes room for strips")
-    yield 0.5
+    yield from blender.move(blender.within(0.5, 0.5))  # over a region Blender moves no edge
+    with blender.override(area=EDITOR):
+        done = bpy.ops.lappet.strips_room("INVOKE_DEFAULT")
+    blender.expect(done == {"FINISHED"}, "there is an act that makes room for strips")
+    yield from blender.move((editor.x + editor.width // 2, editor.y + editor.height))  # the warped mouse: events count
+    yield 1.0
     blender.expect(editor.height > 200, f"the Timeline is {editor.height} pixels high")
     blender.notes["editor"] = [editor.width, editor.height, editor.spaces.active.mode]
     yield from blender.screenshot("timeline")

@@ -157,9 +157,11 @@ def handle_held(blender: Driver) -> Steps:
 def strip_held(blender: Driver) -> Steps:
     editor = "DOPESHEET_EDITOR"
     with blender.override(area=editor):
-        bpy.ops.lappet.strips_room()
+        bpy.ops.lappet.strips_room("INVOKE_DEFAULT")
         bpy.ops.action.view_all()
-    yield 0.5
+    low = blender.area(editor)
+    yield from blender.move((low.x + low.width // 2, low.y + low.height))  # where the mouse is put: only events count
+    yield 1.0
     view = import_module(f"{MODULE}.strips.strip_view")
     area, region = blender.area(editor), blender.region("WINDOW", editor)
     picture = view.picture_in(bpy.context.scene, area.spaces.active, region)

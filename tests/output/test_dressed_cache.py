@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -165,6 +166,35 @@ def test_threads_are_tubes_through_the_places_that_pictures_show(cache: Path) ->
     low, high = np.array(curves.GetExtentAttr().Get(8.0))
     assert (points - 0.5 * widths[:, None] >= low - 1e-5).all()
     assert (points + 0.5 * widths[:, None] <= high + 1e-5).all()
+
+
+def test_stitches_that_a_thread_finds_are_drawn_once_it_has_found_them(cache: Path) -> None:
+    from lappet.drawing.framing import surgical_field
+    from lappet.drawing.suture_thread import SutureThread
+
+    class Later:
+        """What is found when somebody says so."""
+
+        def __init__(self, find: Callable[[], dict]) -> None:
+            self.take, self.done = find, False
+            begun.append(self)
+
+    begun: list[Later] = []
+    source = SkinCache(cache)
+    field = surgical_field(source, source.frames)
+    facing = field.right + 0.6 * field.up
+    wanted = SutureThread(source, facing, field.stitch_scale).named_lines(8.0)
+    thread = SutureThread(source, facing, field.stitch_scale)
+    thread.begin = Later
+    for _ in range(2):
+        assert thread.named_lines(8.0) == {}
+        assert thread.pending is begun[0]
+    begun[0].done = True
+    found = thread.named_lines(8.0)
+    assert thread.pending is None
+    assert len(begun) == 1
+    assert found.keys() == wanted.keys()
+    assert all(np.array_equal(found[key], line) for key, line in wanted.items())
 
 
 def test_the_steps_follow_one_another_from_the_first_frame_to_the_last(cache: Path) -> None:

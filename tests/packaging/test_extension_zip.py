@@ -34,7 +34,7 @@ LIFE = Path(__file__).with_name("extension_life.py")
 BLENDER_PACKAGES = (
     "bpy", "numpy", "numpy.libs", "requests", "urllib3", "idna", "certifi", "charset_normalizer", "zstandard",
 )  # fmt: skip
-BLENDER_45 = ROOT / "build" / "bpy-4.5"
+OTHER_BLENDERS = ("4.5", "5.1", "5.2")  # each in build/bpy-<version>, where somebody has made that
 # What a Linux with Blender has: the run time of C and C++.
 RUN_TIME = re.compile(
     r"/(ld-linux-x86-64|libc|libdl|libgcc_s|libm|libpthread|libresolv|librt|libstdc\+\+)\.so\.[\d.]+$"
@@ -69,7 +69,7 @@ def small_wheel(folder: Path, tag: str, **more: str) -> Path:
 def test_a_zip_carries_wheels_for_the_pythons_of_blender_on_its_platform(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Blender 4.5 to 5.1 have 3.11, 5.2 has 3.13; Debian builds its own with 3.14."""
+    """Blender 4.5 and 5.0 have 3.11, 5.1 and 5.2 have 3.13; Debian builds its own with 3.14."""
     asked: dict[str, set[str]] = {}
 
     def download(name: str, pythons: list[str], platform: str, cache: Path) -> list[Path]:
@@ -349,12 +349,13 @@ def test_the_zip_lives_and_dies_in_a_blender_that_has_nothing_else(zip_file: Pat
 
 @pytest.mark.slow
 @pytest.mark.timeout(600)
-def test_the_zip_lives_and_dies_in_blender_45(zip_file: Path, tmp_path: Path) -> None:
-    python = BLENDER_45 / "bin" / "python"
+@pytest.mark.parametrize("version", OTHER_BLENDERS)
+def test_the_zip_lives_and_dies_in_every_blender_that_it_is_for(zip_file: Path, tmp_path: Path, version: str) -> None:
+    python = ROOT / "build" / f"bpy-{version}" / "bin" / "python"
     if not python.exists():
-        pytest.skip(f"{BLENDER_45.relative_to(ROOT)} has no Blender 4.5; packaging/README.md says how to make it.")
+        pytest.skip(f"build/bpy-{version} has no Blender {version}; packaging/README.md says how to make it.")
     seen, arrays = life(python, zip_file, tmp_path)
-    assert seen["blender"].startswith("4.5")
+    assert seen["blender"].startswith(version)
     check_life(seen, arrays)
 
 

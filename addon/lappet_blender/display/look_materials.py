@@ -15,9 +15,12 @@ from lappet.procedure import VESSEL_KINDS
 from ..look import skin_material
 from ..look.material_nodes import Space
 from ..look.solid_texture import add_tile
+from .time_slice import TimeSlice
 
 PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
 _MADE_FOR = "lappet_made_for"
+_PATIENT = TimeSlice(soon=False)
+_TILED = "lappet_tiled"  # of a material: Solid shading has its picture
 _DRESSED_AS = "lappet_dressed_as"  # of a mesh: the color and prefix of the roles of its materials
 
 
@@ -28,12 +31,19 @@ def quantity_of(look: bpy.types.PropertyGroup) -> str | None:
 
 
 def _kept(
-    collection: bpy.types.Collection, role: str, made_for: str, make: Callable[[], bpy.types.Material]
-) -> bpy.types.Material:
+    collection: bpy.types.Collection,
+    role: str,
+    made_for: str,
+    make: Callable[[], bpy.types.Material],
+    time_slice: TimeSlice = _PATIENT,
+) -> bpy.types.Material | None:
+    """The material of a role, made where it is not there yet; None where the turn has no time for it."""
     slot = f"material {role}"
     material = collection.get(slot)
     if isinstance(material, bpy.types.Material) and material.get(_MADE_FOR) == made_for:
         return material
+    if not time_slice.begins():
+        return None
     fresh = make()
     fresh[_MADE_FOR] = made_for
     collection[slot] = fresh
@@ -48,24 +58,28 @@ def skin_materials(
     layers: TissueLayers,
     opacity: float = 1.0,
     prefix: str = "",
-) -> tuple[bpy.types.Material, ...]:
+    time_slice: TimeSlice = _PATIENT,
+) -> tuple[bpy.types.Material, ...] | None:
     """One material per origin: skin, wound wall, underside, rim; the user's own where there is one.
 
-    color: of `COLORS`. units: Blender units per mm. opacity: of the skin. prefix: of the roles of what is drawn.
+    color: of `COLORS`. units: Blender units per mm. opacity: of the skin. prefix: of the roles of what is drawn. None
+    where the turn ended before all were made.
     """
     space = Space(units, True)
     pixel = float(collection.get("lappet_pixel", PIXEL))
     name = color.lower()
 
     def skin() -> bpy.types.Material:
-        made = skin_material.skin_material(name, pixel, highest, space, opacity)
-        if name in ("grid", "checker"):
-            add_tile(made, name)
-        return made
+        return skin_material.skin_material(name, pixel, highest, space, opacity)
 
     roles = _skin_roles(color, prefix)
-    first = _kept(collection, roles[0], f"{units:g} {pixel:.3f} {opacity:g}", skin)
-    if name in SCALARS:
+    first = _kept(collection, roles[0], f"{units:g} {pixel:.3f} {opacity:g}", skin, time_slice)
+    if first is not None and name in ("grid", "checker") and _TILED not in first:
+        if not time_slice.begins():
+            return None
+        add_tile(first, name)
+        first[_TILED] = True
+    if first is not None and name in SCALARS:
         skin_material.set_full_scale(first, highest)
     others: tuple[Callable[[TissueLayers, Space], bpy.types.Material], ...] = (
         partial(skin_material.wall_material, opacity=opacity),
@@ -73,13 +87,13 @@ def skin_materials(
         skin_material.rim_material,
     )
     made_for = f"{units:g} {opacity:g} {digest(layers).hex()}"
-    made = [
-        _kept(collection, r, made_for, partial(make, layers, space)) for r, make in zip(roles[1:], others, strict=True)
-    ]
+    made = [first]
+    for role, make in zip(roles[1:], others, strict=True):
+        made.append(_kept(collection, role, made_for, partial(make, layers, space), time_slice))
+    if None in made:
+        return None
     own = (collection.get(f"own material {role}") for role in roles)
-    return tuple(
-        mine if isinstance(mine, bpy.types.Material) else each for mine, each in zip(own, (first, *made), strict=True)
-    )
+    return tuple(mine if isinstance(mine, bpy.types.Material) else each for mine, each in zip(own, made, strict=True))
 
 
 def keep_own_materials(collection: bpy.types.Collection, mesh: bpy.types.Mesh) -> None:
@@ -117,11 +131,6 @@ def _skin_roles(color: str, prefix: str) -> tuple[str, ...]:
     return (f"skin {color.lower()}", f"{prefix}wall", f"{prefix}underside", f"{prefix}rim")
 
 
-def has_materials(collection: bpy.types.Collection, color: str) -> bool:
-    """Whether the skin's materials were made for a color before."""
-    return isinstance(collection.get(f"material skin {color.lower()}"), bpy.types.Material)
-
-
 def part_material(collection: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
     """The material of a part: bed, edge, ink, thread, steel, landmark, kind of vessel, lumen, legend, label."""
     makers: dict[str, Callable[[], bpy.types.Material]] = {
@@ -138,4 +147,6 @@ def part_material(collection: bpy.types.Collection, role: str, units: float) -> 
         "legend ink": lambda: skin_material.glowing_material("Legend ink", (0.033, 0.03, 0.03, 1.0)),
     }
     made_for = f"{units:g}" if role == "bed" else "any"
-    return _kept(collection, role, made_for, makers[role])
+    made = _kept(collection, role, made_for, makers[role])
+    assert made is not None  # nothing is put off
+    return made

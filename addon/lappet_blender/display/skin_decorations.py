@@ -98,14 +98,16 @@ class SkinDecorations:
             return
         ready = time_slice.begins(not self._edge.knows(epoch))
         self._tubes(where, "edge", "Wound edge", 6, ready, lambda: self._edge.tubes(time))
-        self._marks.until = self._thread.until = time_slice.until
+        self._marks.until = time_slice.until
+        self._thread.begin = MadeSoon if time_slice.soon and is_large(self.source.shape(epoch)) else None
         self._tubes(where, "ink", "Marks", 6, look.show_plan, lambda: self._marks.tubes(time))
         time_slice.unfinished |= look.show_plan and self._marks.unfinished
         self._tubes(where, "thread", "Sutures", 6, look.show_sutures, lambda: self._thread.tubes(time))
-        time_slice.unfinished |= self._thread.unfinished
+        if (found := self._thread.pending) is not None:
+            time_slice.has(found)
         wanted = look.show_hooks and time_slice.begins(self._hooks is None or not self._hooks.knows(epoch))
         self._tubes(where, "steel", "Hooks", 12, wanted, lambda: self._steel().tubes(time))
-        if time_slice.begins((self._bed is None or self._thread.searched) and has_wound(epoch)):
+        if time_slice.begins(self._bed is None and has_wound(epoch)):
             self._draw_bed(where, time)
         self._draw_landmarks(where, time, look.show_landmarks)
         self._draw_vessels(where, time, look.show_vessels)

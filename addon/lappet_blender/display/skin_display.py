@@ -36,7 +36,6 @@ from .epoch_mesh import find_epoch_mesh, is_large, remove_unused, set_layer_rows
 from .legend import show_legend
 from .look_materials import (
     dress,
-    has_materials,
     keep_own_materials,
     part_material,
     quantity_of,
@@ -277,8 +276,6 @@ def _draw_skin(
     time_slice: TimeSlice,
 ) -> bpy.types.Object | None:
     """Show a skin; source_scene: whose procedure it is. None where its first picture was put off."""
-    if not time_slice.begins(not has_materials(where.collection, look.color)):
-        return None
     role = f"{where.prefix}skin"
     before = find_object(where.collection, role)
     if before is not None and before.mode != "OBJECT":
@@ -287,7 +284,11 @@ def _draw_skin(
         keep_own_materials(where.collection, before.data)
     layers = shown.manifest.layers
     opacity = TRANSLUCENT if look.show_through else 1.0
-    materials = skin_materials(where.collection, look.color, highest, where.units, layers, opacity, where.prefix)
+    materials = skin_materials(
+        where.collection, look.color, highest, where.units, layers, opacity, where.prefix, time_slice
+    )
+    if materials is None:
+        return before
     shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
     current = before.data if before is not None and before.type == "MESH" else None
     known = find_epoch_mesh(shape, look.show_walls, current)

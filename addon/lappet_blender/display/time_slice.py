@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from time import monotonic
-from typing import Any
-
-from ..model.made_soon import MadeSoon
+from typing import Protocol
 
 SECONDS = 0.012
+
+
+class Awaited(Protocol):
+    """What a thread makes (`MadeSoon`)."""
+
+    @property
+    def done(self) -> bool:
+        """Whether it is made."""
 
 
 class TimeSlice:
@@ -20,7 +26,7 @@ class TimeSlice:
         """soon: somebody is looking on; otherwise the slice has no end."""
         self.until = monotonic() + SECONDS if soon else None
         self.unfinished = False
-        self.waits_for: list[MadeSoon[Any]] = []
+        self.waits_for: list[Awaited] = []
         self._begun = False
 
     @property
@@ -28,7 +34,7 @@ class TimeSlice:
         """Whether somebody is looking on."""
         return self.until is not None
 
-    def has(self, made: MadeSoon[Any]) -> bool:
+    def has(self, made: Awaited) -> bool:
         """Whether a value that is made on a thread is there; waited for where nobody looks on, else put off."""
         if made.done or not self.soon:
             return True

@@ -6,10 +6,9 @@ from collections.abc import Collection, Iterable, Sequence
 
 import bpy
 import numpy as np
-from mathutils import Matrix
-from numpy.typing import NDArray
+from mathutils import Matrix, Vector
 
-from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Thin, Undermine
+from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Thin, Tissue, Undermine
 
 from ..model.event_list import find_event, remove_event
 from ..model.event_values import add_value, free_name
@@ -124,22 +123,21 @@ def straight_motion(
     scene: bpy.types.Scene, grip: str, shift: Place, start: float, arrive: float
 ) -> list[tuple[float, Matrix]]:
     """Return the motion of a retractor that moves the middle of its grip by `shift` mm within `arrive` frames."""
-    middle = _grip_middle(scene, grip)
+    tissue = tissue_of(scene)
+    middle = faces_middle(tissue, tissue.subsets.get(grip, ()))
     motion = [(start, Matrix.Translation(middle))]
     if arrive > 0.0 and any(shift):
-        motion.append((start + arrive, Matrix.Translation(middle + np.array(shift))))
+        motion.append((start + arrive, Matrix.Translation(Vector(middle) + Vector(shift))))
     return motion
 
 
-def _grip_middle(scene: bpy.types.Scene, grip: str) -> NDArray[np.float64]:
-    """The mean of the vertices of a group of the tissue's faces; the origin for a group without a face."""
-    tissue = tissue_of(scene)
-    faces = tissue.subsets.get(grip, np.zeros(0, np.int32))
+def faces_middle(tissue: Tissue, faces: Iterable[int]) -> Point:
+    """Return the mean of the vertices of some faces of a tissue, mm; the origin for no face."""
     ends = np.cumsum(tissue.face_vertex_counts)
     corners = [tissue.face_vertex_indices[ends[face] - tissue.face_vertex_counts[face] : ends[face]] for face in faces]
     if not corners:
-        return np.zeros(3)
-    return np.asarray(tissue.points[np.unique(np.concatenate(corners))].mean(axis=0))
+        return (0.0, 0.0, 0.0)
+    return point_value(tissue.points[np.unique(np.concatenate(corners))].mean(axis=0).tolist())
 
 
 def point_value(place: Place) -> Point:

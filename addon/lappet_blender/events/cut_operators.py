@@ -54,28 +54,30 @@ class LAPPET_OT_excise(OperatorBase, bpy.types.Operator):
         add_excision(context.scene, self.point, given(self, "time", context.scene.frame_current), name=self.name)
 
 
-class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
+class _OutlineAdd(OperatorBase):
+    """What operators share that do something to the tissue inside a closed line."""
+
+    points: CollectionProperty(name="Points", description="Outline of the area at rest, in mm", type=LappetPoint)
+    time: FloatProperty(name="Frame", description="When it is done; if not given, the current frame")
+    basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
+    name: StringProperty(name="Name", description="If not given, the event's kind and a number")
+
+
+class LAPPET_OT_undermine_add(_OutlineAdd, bpy.types.Operator):
     """Free the skin inside a closed line from its bed"""
 
     bl_label = "Undermine"
-
-    points: CollectionProperty(name="Points", description="Outline of the area at rest, in mm", type=LappetPoint)
-    time: FloatProperty(name="Frame", description="When the area is freed; if not given, the current frame")
-    basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
-    name: StringProperty(name="Name", description="If not given, undermine and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         time = given(self, "time", context.scene.frame_current)
         add_undermining(context.scene, places(self.points), time, basis=BASIS_OF[self.basis], name=self.name)
 
 
-class LAPPET_OT_thin_add(OperatorBase, bpy.types.Operator):
+class LAPPET_OT_thin_add(_OutlineAdd, bpy.types.Operator):
     """Take the deep tissue inside a closed line away, so that a flap is thinner"""
 
     bl_label = "Thin"
 
-    points: CollectionProperty(name="Points", description="Outline of the area at rest, in mm", type=LappetPoint)
-    time: FloatProperty(name="Frame", description="When it is thinned; if not given, the current frame")
     thickness: FloatProperty(
         name="Thickness Left", description="What stays below the skin, skin included, in mm", default=2.0, min=0.0
     )
@@ -88,8 +90,6 @@ class LAPPET_OT_thin_add(OperatorBase, bpy.types.Operator):
     duration: FloatProperty(
         name="Duration", description="Number of frames until the dressing presses", default=Thin.duration, min=0.0
     )
-    basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
-    name: StringProperty(name="Name", description="If not given, thin and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         add_thinning(

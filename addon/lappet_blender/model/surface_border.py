@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.mesh_faults import polygon_edges
-from lappet.geometry.surface_check import unique_edges
 
 from .mesh_values import MeshValues
 
@@ -18,5 +17,8 @@ def directed_edges(mesh: MeshValues) -> NDArray[np.int64]:
 
 def open_edge_count(mesh: MeshValues) -> int:
     """The number of border edges."""
-    _, _, uses = unique_edges(directed_edges(mesh))
-    return int((uses == 1).sum())
+    first, second = directed_edges(mesh).T
+    key = np.minimum(first, second) * len(mesh.points) + np.maximum(first, second)
+    key.sort()  # by itself: to say which edge is which takes four times as long
+    other = np.concatenate([[True], key[1:] != key[:-1], [True]])
+    return int((other[1:] & other[:-1]).sum()) if len(key) else 0

@@ -14,6 +14,8 @@ import numpy as np
 from mathutils import Euler, Matrix, Quaternion, Vector
 from numpy.typing import NDArray
 
+from lappet.procedure import Pose
+
 from .decimals import decimal
 from .event_target import active_fcurves
 from .units import mm_per_unit
@@ -62,7 +64,7 @@ def motion_samples(
         frames = _frames(scene, start, release)
         matrices = _matrices(scene, target, frames)
         return tuple(
-            (frame, _rigid(matrix.translation, matrix.to_quaternion(), unit))
+            (frame, rigid_pose(matrix.translation, matrix.to_quaternion(), unit))
             for frame, matrix in zip(frames, matrices, strict=True)
         )
     curves = active_fcurves(target)
@@ -71,7 +73,7 @@ def motion_samples(
     # Between keyframes Blender turns along Euler angles or along a chord, a procedure along the shortest arc.
     times = _key_times(moving) if _are_straight(moving) and not turns else _frames(scene, start, release)
     return tuple(
-        (time, _rigid(_location(target, curves, time), _rotation(target, curves, time), unit))
+        (time, rigid_pose(_location(target, curves, time), _rotation(target, curves, time), unit))
         for time in times or [start]
     )
 
@@ -133,7 +135,8 @@ def _rotation(target: bpy.types.Object, curves: dict[tuple[str, int], Any], time
     return Euler(_channel(target, curves, "rotation_euler", time), mode).to_quaternion()
 
 
-def _rigid(place: Any, turn: Quaternion, unit: float) -> tuple[float, ...]:
+def rigid_pose(place: Any, turn: Quaternion, unit: float) -> Pose:
+    """The pose of something at a place, in units of `unit` mm, with a turn."""
     w, x, y, z = np.array(turn[:], np.float64) / np.linalg.norm(np.array(turn[:], np.float64))
     rows: NDArray[np.float64] = np.eye(4)
     # The transpose of the column-vector rotation matrix of a quaternion.

@@ -28,15 +28,17 @@ _kept: list[TissueSize] = []
 
 def tissue_size(tissue: Tissue) -> TissueSize:
     """Return the surface of a tissue and its measure; kept for the surfaces that were asked for last."""
-    for index, each in enumerate(_kept):
+    global _kept
+    known = _kept  # replaced whole: a thread asks too
+    for each in known:
         if each.points is tissue.points or np.array_equal(each.points, tissue.points):
-            _kept.insert(0, _kept.pop(index))
+            _kept = [each, *(other for other in known if other is not each)]
             return each
     counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
     triangles, _, _ = triangulate(tissue.points, counts, indices)
-    _kept.insert(0, TissueSize(tissue.points, triangles, TissueMeasure(tissue.points, triangles)))
-    del _kept[_MAX_KEPT:]
-    return _kept[0]
+    found = TissueSize(tissue.points, triangles, TissueMeasure(tissue.points, triangles))
+    _kept = [found, *_kept][:_MAX_KEPT]
+    return found
 
 
 def cell_count(tissue: Tissue) -> float:
@@ -48,4 +50,5 @@ def cell_count(tissue: Tissue) -> float:
 
 def clear_cache() -> None:
     """Drop what is kept."""
-    _kept.clear()
+    global _kept
+    _kept = []

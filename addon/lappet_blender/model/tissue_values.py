@@ -6,12 +6,15 @@ import hashlib
 import re
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import bpy
 import numpy as np
 
+from lappet.core.digest import digest
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.mesh_faults import mesh_faults
@@ -23,6 +26,7 @@ from .material_values import region_values
 from .mesh_values import MeshValues, mesh_values
 from .object_problems import object_problems
 from .surface_border import open_edge_count
+from .tissue_size import tissue_size
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +40,11 @@ class _Kept:
 
 
 class _Making:
-    """A tissue that is made on a thread of its own."""
+    """A tissue that is made on a thread of its own; what is asked of it first is found there too."""
 
-    def __init__(self, mesh: MeshValues, thickness: float, name: str) -> None:
+    def __init__(self, mesh: MeshValues, thickness: float, name: str, finish: Callable[[Tissue], Tissue]) -> None:
         self._of = (mesh, thickness, name)
+        self._finish = finish
         self._made: _Kept | None = None
         self._thread = threading.Thread(target=self._make, name="lappet sheet", daemon=True)
         self._thread.start()
@@ -59,10 +64,16 @@ class _Making:
         return self._made if self._made is not None else _made(*self._of)
 
     def _make(self) -> None:
-        self._made = _made(*self._of)
+        made = _made(*self._of)
+        if made.tissue is not None:
+            tissue = self._finish(made.tissue)
+            digest(tissue, remember=(Tissue,))  # the manifest's key asks for it
+            tissue_size(tissue)  # and the panels for this
+            made = replace(made, tissue=tissue)
+        self._made = made
 
 
-_LARGE = 4000  # vertices of an open surface from which on giving it a thickness is to be waited for
+_LARGE = 1500  # vertices from which on making tissue of a mesh is to be waited for
 _MOST_SHEETS = 6
 _kept: dict[int, _Kept] = {}
 _making: dict[int, _Making] = {}
@@ -88,7 +99,7 @@ def tissue_value(scene: bpy.types.Scene) -> tuple[Tissue | None, list[Problem]]:
         known = making is not None and making.is_of(mesh, thickness, obj.name)
         kept = making.take() if making is not None and known else _made(mesh, thickness, obj.name)
     if kept.tissue is not None:
-        tissue = _with_settings(kept.tissue, settings, region_values(scene))
+        tissue = _with_values(kept.tissue, _settings_values(settings), region_values(scene))
         if tissue is not kept.tissue:
             kept = replace(kept, tissue=tissue)
     _kept[key] = kept
@@ -99,17 +110,22 @@ def tissue_is_ready(scene: bpy.types.Scene) -> bool:
     """Whether `tissue_value` answers at once; where it would not, what it waits for is begun on a thread."""
     settings = scene.lappet.tissue
     obj = settings.object
-    if obj is None or not settings.thicken or obj.type != "MESH" or len(obj.data.vertices) < _LARGE:
+    if obj is None or obj.type != "MESH" or len(obj.data.vertices) < _LARGE:
         return True
     if object_problems(scene, obj, "tissue"):
         return True
-    mesh, thickness, key = mesh_values(scene, obj), decimal(settings.thickness), scene.session_uid
+    key = scene.session_uid
+    if key in _making and not _making[key].done:
+        return False  # whether the mesh has changed meanwhile is asked once it is made
+    mesh = mesh_values(scene, obj)
+    thickness = decimal(settings.thickness) if settings.thicken else 0.0
     kept = _kept.get(key)
     if kept is not None and kept.mesh is mesh and kept.thickness == thickness:
         return True
     making = _making.get(key)
     if making is None or not making.is_of(mesh, thickness, obj.name):
-        _making[key] = making = _Making(mesh, thickness, obj.name)
+        finish = partial(_with_values, values=_settings_values(settings), regions=tuple(region_values(scene)))
+        _making[key] = making = _Making(mesh, thickness, obj.name, finish)
     return making.done
 
 
@@ -174,7 +190,7 @@ def _made(mesh: MeshValues, thickness: float, name: str) -> _Kept:
 
 def _sheet(mesh: MeshValues, thickness: float, name: str) -> Tissue:
     """Those made last are kept by what they were made of: an undo finds its sheet again."""
-    digest = hashlib.blake2b(f"{name} {thickness!r} {sorted(mesh.groups)}".encode())
+    hasher = hashlib.blake2b(f"{name} {thickness!r} {sorted(mesh.groups)}".encode())
     for array in (
         mesh.points,
         mesh.counts,
@@ -182,8 +198,8 @@ def _sheet(mesh: MeshValues, thickness: float, name: str) -> Tissue:
         mesh.uv,
         *(mesh.groups[each] for each in sorted(mesh.groups)),
     ):
-        digest.update(b"-" if array is None else f"{array.shape}".encode() + array.tobytes())
-    key = digest.digest()
+        hasher.update(b"-" if array is None else f"{array.shape}".encode() + array.tobytes())
+    key = hasher.digest()
     tissue = _sheets.get(key)
     if tissue is None:
         tissue = sheet_tissue(mesh.points, mesh.counts, mesh.indices, thickness, mesh.uv, mesh.groups, name)
@@ -197,8 +213,8 @@ def _closed_tissue(mesh: MeshValues) -> Tissue:
     return Tissue(mesh.points, mesh.counts, mesh.indices, mesh.uv, dict(mesh.groups))
 
 
-def _with_settings(tissue: Tissue, settings: bpy.types.PropertyGroup, regions: Sequence[Region]) -> Tissue:
-    values = {
+def _settings_values(settings: bpy.types.PropertyGroup) -> dict[str, Any]:
+    return {
         "material": settings.material,
         "spacing": decimal(settings.spacing),
         "gravity": decimal(settings.gravity) if settings.use_gravity else 0.0,
@@ -206,6 +222,10 @@ def _with_settings(tissue: Tissue, settings: bpy.types.PropertyGroup, regions: S
         "bed_stiffness": decimal(settings.bed_stiffness),
         "bed_shear": decimal(settings.bed_shear),
     }
+
+
+def _with_values(tissue: Tissue, values: dict[str, Any], regions: Sequence[Region]) -> Tissue:
+    """The tissue with these settings; the same one where it has them."""
     same = all(getattr(tissue, name) == value for name, value in values.items())
     made = replace(tissue, **values, regions=tuple(regions)) if not same or tissue.regions or regions else tissue
     return tissue if same and made.regions == tissue.regions else made

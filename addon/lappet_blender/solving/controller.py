@@ -18,7 +18,7 @@ from lappet.background.manifest import ListedFrame, Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.running_daemon import RunningDaemon
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.procedure import Point, Procedure
+from lappet.procedure import Pose, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
@@ -62,16 +62,16 @@ class Job:
 
 @dataclass(eq=False)
 class Live:
-    """A hook is dragged: target in mm as last sent, moved: since live mode began; frame: the latest that came back.
+    """A hook or retractor is dragged: target as last sent, moved: since live mode began; frame: the latest one.
 
-    placing: a tool still places the hook; no event of the scene holds it, and the frame is kept without it.
+    held: its name. placing: a tool still places it; no event of the scene holds it, and the frame is kept without it.
     """
 
-    hook: str
+    held: str
     event_uid: str
     time: int
     job: int
-    target: Point | None = None
+    target: Pose | None = None
     moved: bool = False
     frame: SolvedFrame | None = None
     seconds: float = 0.0

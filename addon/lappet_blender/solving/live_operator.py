@@ -6,7 +6,7 @@ from bpy.props import StringProperty
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from .controller import controller_of, find_controller
 from .frames import notify_listeners
-from .live_hook import start_live, stop_live
+from .live_drag import start_live, stop_live
 from .scene_watch import reading
 
 
@@ -16,16 +16,18 @@ def _stop(scene: bpy.types.Scene) -> None:
     keyed = stop_live(scene, controller)
     notify_listeners(scene, controller)
     if keyed:
-        bpy.ops.ed.undo_push(message="Drag Hook")
+        bpy.ops.ed.undo_push(message="Drag Target")
 
 
 class LAPPET_OT_live(OperatorBase, bpy.types.Operator):
-    """Drag the target of the active hook and watch the skin follow; press again, Return or Esc to end"""
+    """Drag the target of the active hook or retractor and watch the skin follow; press again, Return or Esc to end"""
 
     bl_label = "Live"
     bl_options = NO_UNDO
 
-    hook: StringProperty(name="Hook", description="Name of the hook; empty = the active event", options={"SKIP_SAVE"})
+    hook: StringProperty(
+        name="Hook", description="Name of the hook or retractor; empty = the active event", options={"SKIP_SAVE"}
+    )
 
     def run(self, context: bpy.types.Context) -> None:
         """Without a window it only switches: the timer follows the target."""
@@ -44,7 +46,7 @@ class LAPPET_OT_live(OperatorBase, bpy.types.Operator):
         if done != {"FINISHED"} or controller_of(context.scene).live is None:
             return done
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set("Live: drag the hook's target   |   Return, Esc: end")
+        context.workspace.status_text_set("Live: drag the target   |   Return, Esc: end")
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:

@@ -19,7 +19,7 @@ from . import workers
 from .chosen_daemon import answer_state
 from .controller import Controller, controller_of, controllers, drop_all, find_controller, manifests, scene_of
 from .frames import notify_listeners
-from .live_hook import stop_live
+from .live_drag import stop_live
 from .reconcile import reconcile
 from .solve_settings import frame_folder
 
@@ -38,12 +38,13 @@ def reading() -> Iterator[None]:
         _reading = before
 
 
-def read_now(scene: bpy.types.Scene, *, ask: bool = True) -> Controller:
-    """Read a scene at once and notify the listeners."""
+def read_now(scene: bpy.types.Scene, *, ask: bool = True, notify: bool = True) -> Controller:
+    """Read a scene at once and notify the listeners; notify: off where they are notified later."""
     controller = controller_of(scene)
     with reading():
         reconcile(scene, controller, ask=ask)
-    notify_listeners(scene, controller)
+    if notify:
+        notify_listeners(scene, controller)
     return controller
 
 

@@ -102,7 +102,7 @@ def _live_line(controller: Controller) -> str:
     live = controller.live
     assert live is not None
     if live.frame is None:
-        return said("Live: move the target of {hook}", hook=live.hook)
+        return said("Live: move the target of {hook}", hook=live.held)
     rate = f"{1.0 / live.seconds:.1f}" if live.seconds > 0.0 else "∞"
     settling = "" if live.converged else ", " + said("still settling")
-    return said("Live: {hook}, {rate} frames a second", hook=live.hook, rate=rate) + settling
+    return said("Live: {hook}, {rate} frames a second", hook=live.held, rate=rate) + settling

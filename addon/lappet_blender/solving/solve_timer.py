@@ -10,7 +10,7 @@ import bpy
 from ..model.tissue_values import tissue_is_ready
 from .controller import Controller, controller_of, controllers, drop, find_controller, scene_of
 from .frames import follow_up, notify_listeners
-from .live_hook import step_live
+from .live_drag import step_live
 from .reconcile import due, finish_copying
 from .scene_watch import check_polled_state, read_now
 from .worker_events import handle_worker_events
@@ -51,7 +51,9 @@ def _once() -> bool:
         finish_copying(controller)
         step_live(scene, controller)
         if due(controller) and not dragging and controller.live is None and tissue_is_ready(scene):
-            read_now(scene)
+            read_now(scene, notify=False)
+            busy = True
+            continue  # what was read is shown in a turn of its own
         busy |= _busy(controller)
         notified |= controller.notified != controller.revision
         _redraw_wanted |= heard or notified

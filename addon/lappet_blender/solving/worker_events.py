@@ -115,8 +115,8 @@ def _live(controller: Controller, job: Job, frame: LiveFrame) -> None:
     if live is None or live.job != frame.job:
         return
     shown = frame.frame
-    if live.placing and job.manifest is not None and live.hook in job.manifest.hooks:
-        shown = shown.without_hook(job.manifest.hooks.index(live.hook))
+    if live.placing and job.manifest is not None and live.held in job.manifest.hooks:
+        shown = shown.without_hook(job.manifest.hooks.index(live.held))
     live.frame, live.seconds, live.converged = shown, frame.seconds, frame.converged
     controller.notify()
 

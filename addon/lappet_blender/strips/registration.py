@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import strip_keys, strip_modal, strip_operators, strip_overlay
+from . import area_edge, strip_keys, strip_modal, strip_operators, strip_overlay
 
 CLASSES = (*strip_modal.CLASSES, *strip_operators.CLASSES, *strip_keys.CLASSES)
 
@@ -15,6 +15,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Take them away; a drag that runs ends first."""
+    area_edge.stop()
     strip_modal.end_running()
     strip_keys.unregister()
     strip_overlay.unregister()

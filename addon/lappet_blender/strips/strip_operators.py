@@ -14,6 +14,7 @@ from ..events.edit_events import jump_to_event
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..model.changes import changed
 from ..model.event_list import find_event, remove_event
+from .area_edge import raise_edge
 from .scene_strips import chosen_strips, scene_steps, scene_strips, select_strips
 from .step_names import proposed_steps
 from .strip import strips_of_step
@@ -165,13 +166,16 @@ class LAPPET_OT_strips_room(OperatorBase, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.area is not None and context.area.type == "DOPESHEET_EDITOR"
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self._mouse = event.mouse_x, event.mouse_y
+        return self.execute(context)
+
     def run(self, context: bpy.types.Context) -> None:
         area = context.area
         wanted = round(self.height * (context.preferences.system.ui_scale or 1.0))
         delta = min(wanted, round(0.5 * context.window.height)) - area.height
         if delta > 0:
-            edge = area.y + area.height
-            bpy.ops.screen.area_move("EXEC_DEFAULT", x=area.x + area.width // 2, y=edge, delta=delta)
+            raise_edge(context.window, area, delta, getattr(self, "_mouse", None))
 
 
 def set_markers(

@@ -8,13 +8,11 @@ import numpy as np
 from lappet.checks.suspicious_tissue import size_problems
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.geometry.flatten import flatten
 from lappet.geometry.mesh_faults import refuse_unreadable
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangles import areas
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.chosen_spacing import chosen_spacing
-from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.presets import PRESETS
 
 from ..interface.problem_sentence import problem_sentence
@@ -53,7 +51,6 @@ def set_tissue(
     settings.thicken = thickness > 0.0
     if thickness > 0.0:
         settings.thickness = thickness
-        _lay_out(obj, mesh)
     settings.spacing = spacing or _spacing(mesh, thickness)
     use_preset(scene, preset)
     if procedure.version == 0 and (scene.frame_start, scene.frame_end) == _UNTOUCHED:
@@ -88,14 +85,3 @@ def _spacing(mesh: MeshValues, thickness: float) -> float:
     else:
         volume = abs(signed_volume(mesh.points, triangles))
     return chosen_spacing(volume, thickness) or 1.0
-
-
-def _lay_out(obj: bpy.types.Object, mesh: MeshValues) -> None:
-    """Texture coordinates for an open surface that has none: laid out flat, 1 unit per 100 mm."""
-    if mesh.uv is not None or obj.data.library is not None or obj.mode == "EDIT":
-        return
-    used, compact = np.unique(_triangles(mesh), return_inverse=True)
-    flat = np.zeros((len(mesh.points), 2))
-    flat[used] = UV_SCALE * flatten(mesh.points[used], compact.reshape(-1, 3))
-    layer = obj.data.uv_layers.new(name="UVMap", do_init=False)
-    layer.uv.foreach_set("vector", flat[mesh.indices].astype(np.float32).reshape(-1))

@@ -1,24 +1,32 @@
 """The tools Hook and Retractor: press on the skin and drag to where it is pulled."""
 
-import math
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
 import numpy as np
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from mathutils import Vector
+from numpy.typing import NDArray
 
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Hook, Point
+from lappet.procedure import Hook, Point, Retractor, pose_at
 
-from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
+from ..events.add_events import (
+    add_hook,
+    add_retractor,
+    faces_middle,
+    straight_motion,
+    straight_targets,
+)
+from ..events.event_check import tissue_of
 from ..interface.said import said
 from ..model.event_values import free_name
-from ..model.mesh_values import GROUP, group_names
+from ..model.mesh_values import GROUP, group_faces, group_names
 from ..model.units import to_mm
 from ..solving.controller import Live
-from ..solving.placed_hook import end_placing, place_live, pull_live
+from ..solving.placed_drag import end_placing, place_live, pull_live
 from ..tissue.face_groups import change_group, remove_group
 from .face_patch import faces_around, free_group_name
 from .preview import Preview, show_preview
@@ -32,7 +40,17 @@ _HINTS = (
     ("EVENT_SHIFT", "Along the normal"),
     ("EVENT_ESC", "Cancel"),
 )
+Faces = NDArray[np.integer[Any]]
 _LEAST_PULL = 0.5  # mm, from which on the skin follows
+
+
+@dataclass(frozen=True)
+class Placed:
+    """What is being placed. at: where its target begins, mm. grip: the faces that a retractor holds."""
+
+    event: Hook | Retractor
+    at: Point
+    grip: Faces | None = None
 
 
 class _DragTool(SkinModal):
@@ -46,6 +64,8 @@ class _DragTool(SkinModal):
         self.hit: SkinHit | None = None
         self.pulled_to: Vector | None = None
         self._said = ""
+        self._live: Live | None = None
+        self._asked = False
 
     def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
         self.hit = view.pick(context.scene)
@@ -64,8 +84,46 @@ class _DragTool(SkinModal):
             free = view.on_plane_through(self.hit.world)
             self.pulled_to = view.along(self.hit.world, self.hit.normal) if self.shift else free
             preview.arrows = [(self.hit.world, self.pulled_to)]
+            self._follow(context, view, self.hit, self.pulled_to)
         show_preview(preview)
         return None
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        if self.hit is None:
+            return None
+        self._let_go()
+        self.start, self.end = self._times(context)
+        self.take(context, self.hit, self.pulled_to or self.hit.world)
+        return self.execute(context)
+
+    def abandoned(self, context: bpy.types.Context) -> None:
+        self._let_go()
+
+    def take(self, context: bpy.types.Context, hit: SkinHit, to: Vector) -> None:
+        """Fill the operator's properties: it is pulled from the hit to a place of the world."""
+        raise NotImplementedError
+
+    def placed(self, context: bpy.types.Context, view: View, hit: SkinHit) -> Placed | None:
+        """What is being placed, pulling nowhere yet; None where it holds nothing."""
+        raise NotImplementedError
+
+    def _follow(self, context: bpy.types.Context, view: View, hit: SkinHit, to: Vector) -> None:
+        """Have the skin follow, from the first millimeters on: a click alone asks nothing of the solver."""
+        way = Vector(to_mm(context.scene, to)) - Vector(to_mm(context.scene, hit.world))
+        if not self._asked and way.length > _LEAST_PULL:
+            self._asked = True
+            self._placed = self.placed(context, view, hit)
+            if self._placed is not None:
+                self._live = place_live(context.scene, self._placed.event, self._placed.grip)
+        if self._live is not None and self._placed is not None:
+            x, y, z = Vector(self._placed.at) + way
+            pull_live(context.scene, self._live, pose_at((x, y, z)))
+
+    def _let_go(self) -> None:
+        live, self._live = self._live, None
+        scene = bpy.data.scenes.get(self._scene)
+        if scene is not None:
+            end_placing(scene, live)
 
     def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
         """Show what is taken hold of."""
@@ -118,46 +176,15 @@ class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
         name="Stiffness", description="In mN/mm", default=Hook.stiffness, min=0.001, soft_max=5000.0
     )
 
-    def begin(self, context: bpy.types.Context) -> None:
-        super().begin(context)
-        self._live: Live | None = None
-        self._asked = False
+    def placed(self, context: bpy.types.Context, view: View, hit: SkinHit) -> Placed | None:
+        start, end = self._times(context)
+        at = to_mm(context.scene, hit.world)
+        name = free_name(context.scene, "HOOK")
+        return Placed(Hook(name, hit.rest, ((start, at),), start, end, self.stiffness), at)
 
-    def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
-        ended = super().moved(context, view)
-        if self.hit is not None and self.pulled_to is not None:
-            self._follow(context, to_mm(context.scene, self.hit.world), to_mm(context.scene, self.pulled_to))
-        return ended
-
-    def _follow(self, context: bpy.types.Context, begin: Point, target: Point) -> None:
-        """Have the skin follow, from the first millimeters on: a click alone asks nothing of the solver."""
-        if not self._asked and math.dist(begin, target) > _LEAST_PULL and self.hit is not None:
-            self._asked = True
-            start, end = self._times(context)
-            name = free_name(context.scene, "HOOK")
-            hook = Hook(name, self.hit.rest, ((start, begin),), start, end, self.stiffness)
-            self._live = place_live(context.scene, hook)
-        if self._live is not None:
-            pull_live(context.scene, self._live, target)
-
-    def abandoned(self, context: bpy.types.Context) -> None:
-        self._let_go()
-
-    def _let_go(self) -> None:
-        live, self._live = self._live, None
-        scene = bpy.data.scenes.get(self._scene)
-        if scene is not None:
-            end_placing(scene, live)
-
-    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
-        if self.hit is None:
-            return None
-        self._let_go()
-        self.anchor = self.hit.rest
-        self.begins = to_mm(context.scene, self.hit.world)
-        self.target = to_mm(context.scene, self.pulled_to or self.hit.world)
-        self.start, self.end = self._times(context)
-        return self.execute(context)
+    def take(self, context: bpy.types.Context, hit: SkinHit, to: Vector) -> None:
+        self.anchor = hit.rest
+        self.begins, self.target = to_mm(context.scene, hit.world), to_mm(context.scene, to)
 
     def run(self, context: bpy.types.Context) -> None:
         check_tissue(context)
@@ -207,22 +234,33 @@ class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
     def _gripped(self, context: bpy.types.Context, surface: ShownSurface, hit: SkinHit) -> np.ndarray:
         """The triangles (k, 3, 3) of the world that the retractor would hold."""
         shape = surface.rest
-        faces = faces_around(shape, hit.rest, self.radius)
-        attribute = context.scene.lappet.tissue.object.data.attributes.get(GROUP + self.grip)
-        if self.grip and attribute is not None:
-            inside = np.zeros(len(attribute.data), bool)
-            attribute.data.foreach_get("value", inside)
-            faces = np.flatnonzero(inside)
-        held = shape.skin[np.isin(shape.face[shape.skin], faces)]
+        held = shape.skin[np.isin(shape.face[shape.skin], self._faces(context, surface, hit))]
         return surface.positions[shape.triangles[held]]
 
-    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
-        if self.hit is None:
+    def _faces(self, context: bpy.types.Context, surface: ShownSurface, hit: SkinHit) -> np.ndarray:
+        """The faces that it would hold: the chosen group's, or those around the mouse."""
+        tissue = context.scene.lappet.tissue.object
+        if self.grip and GROUP + self.grip in tissue.data.attributes:
+            return np.flatnonzero(group_faces(tissue, self.grip))
+        return faces_around(surface.rest, hit.rest, self.radius)
+
+    def placed(self, context: bpy.types.Context, view: View, hit: SkinHit) -> Placed | None:
+        scene, surface = context.scene, shown_surface(context.scene, view.space)
+        if surface is None:
             return None
-        self.at = self.hit.rest
-        self.way = to_mm(context.scene, (self.pulled_to or self.hit.world) - self.hit.world)
-        self.start, self.end = self._times(context)
-        return self.execute(context)
+        grip = self._faces(context, surface, hit)
+        grip = grip[grip < len(scene.lappet.tissue.object.data.polygons)]
+        if len(grip) == 0:
+            return None
+        start, end = self._times(context)
+        at = faces_middle(tissue_of(scene), grip)
+        name = self.grip or free_group_name(scene.lappet.tissue.object)
+        event = Retractor(free_name(scene, "RETRACTOR"), name, ((start, pose_at(at)),), start, end)
+        return Placed(event, at, grip)
+
+    def take(self, context: bpy.types.Context, hit: SkinHit, to: Vector) -> None:
+        self.at = hit.rest
+        self.way = to_mm(context.scene, to - hit.world)
 
     def run(self, context: bpy.types.Context) -> None:
         tissue, surface = check_tissue(context), shown_surface(context.scene)

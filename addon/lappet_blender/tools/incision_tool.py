@@ -30,15 +30,35 @@ _HINTS = (
 )
 _END_HINTS = (("EVENT_RETURN", "Finish"), ("MOUSE_RMB", "Finish"), ("EVENT_ESC", "Cancel"))
 
+LINES = (
+    ("STRAIGHT", "Straight", "Straight from click to click"),
+    ("SMOOTH", "Smooth", "A smooth curve through the clicks"),
+)
+
 
 class _LineTool(SkinModal):
-    """What the tools share: `self.drawing` is the state machine, snapping is here since it is in pixels."""
+    """What the tools share: `self.drawing` is the state machine, snapping is here since it is in pixels.
+
+    settings: properties of the tool's own, shown for the last operation.
+    """
 
     kind: ClassVar[str] = "INCISION"
     must_close: ClassVar[bool] = False
-    line: Any
-    tolerance: Any
-    points: Any
+    settings: ClassVar[tuple[str, ...]] = ()
+
+    layout: Any
+    points: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
+    time: FloatProperty(name="Frame", description="The frame of the cut", options={"SKIP_SAVE"})
+    basis: EnumProperty(name="Curve", items=BASES, options={"HIDDEN", "SKIP_SAVE"})
+    closed: BoolProperty(name="Closed", options={"HIDDEN", "SKIP_SAVE"})
+    line: EnumProperty(name="Line", description="Shape of the line between clicked points", items=LINES)
+    tolerance: FloatProperty(
+        name="Smoothing",
+        description="Largest distance between the line and a freehand stroke, in mm",
+        default=0.4,
+        min=0.01,
+        soft_max=3.0,
+    )
 
     def begin(self, context: bpy.types.Context) -> None:
         self.drawing = LineDrawing(self.line == "SMOOTH", self.must_close, self.tolerance)
@@ -125,6 +145,19 @@ class _LineTool(SkinModal):
         )
         return said(pattern, tool=said(self.title), note=self._said, length=f"{length:.1f}", **values)
 
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        self.cut(context.scene, places(self.points), given(self, "time", context.scene.frame_current))
+
+    def cut(self, scene: bpy.types.Scene, points: list[Point], time: float) -> None:
+        """Add the event of the line, points at rest in mm."""
+        raise NotImplementedError
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        for name in ("time", *self.settings):
+            self.layout.prop(self, name)
+
     def _show(self, context: bpy.types.Context) -> None:
         line = self.drawing.preview()
         dots = [] if self.drawing.dragging else self.drawing.points
@@ -143,26 +176,6 @@ def incision_ends(scene: bpy.types.Scene) -> list[Point]:
     return ends
 
 
-LINES = (
-    ("STRAIGHT", "Straight", "Straight from click to click"),
-    ("SMOOTH", "Smooth", "A smooth curve through the clicks"),
-)
-
-
-def _line_property() -> object:
-    return EnumProperty(name="Line", description="Shape of the line between clicked points", items=LINES)
-
-
-def _tolerance_property() -> object:
-    return FloatProperty(
-        name="Smoothing",
-        description="Largest distance between the line and a freehand stroke, in mm",
-        default=0.4,
-        min=0.01,
-        soft_max=3.0,
-    )
-
-
 class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
     """Draw an incision: click points on the skin, or draw with the button held"""
 
@@ -170,12 +183,6 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
     title, kind = "Incision", "INCISION"
     hints = (*_HINTS, ("EVENT_C", "Close"), *_END_HINTS)
 
-    points: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
-    time: FloatProperty(name="Frame", description="The frame of the cut", options={"SKIP_SAVE"})
-    basis: EnumProperty(name="Curve", items=BASES, options={"HIDDEN", "SKIP_SAVE"})
-    closed: BoolProperty(name="Closed", options={"HIDDEN", "SKIP_SAVE"})
-    line: _line_property()
-    tolerance: _tolerance_property()
     through: BoolProperty(name="Through", description="Cut through the whole tissue", default=True)
     depth: FloatProperty(
         name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.01, soft_max=20.0
@@ -184,63 +191,38 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
         name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.001, soft_max=1.0, precision=3
     )
 
-    def run(self, context: bpy.types.Context) -> None:
-        check_tissue(context)
-        add_incision(
-            context.scene,
-            places(self.points),
-            given(self, "time", context.scene.frame_current),
-            depth=None if self.through else self.depth,
-            kerf=self.kerf,
-            basis=BASIS_OF[self.basis],
-            closed=self.closed,
-        )
+    def cut(self, scene: bpy.types.Scene, points: list[Point], time: float) -> None:
+        depth, basis = None if self.through else self.depth, BASIS_OF[self.basis]
+        add_incision(scene, points, time, depth=depth, kerf=self.kerf, basis=basis, closed=self.closed)
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(self, "time")
+    def draw(self, context: bpy.types.Context) -> None:
+        super().draw(context)
         draw_incision_settings(self.layout, self)
 
 
-class LAPPET_OT_draw_undermining(_LineTool, bpy.types.Operator):
+class _OutlineTool(_LineTool):
+    """Tools whose line goes around an area."""
+
+    hints = (*_HINTS, ("EVENT_C", "Close and finish"), *_END_HINTS)
+    must_close = True
+
+
+class LAPPET_OT_draw_undermining(_OutlineTool, bpy.types.Operator):
     """Draw the outline of an area to free from its bed"""
 
     bl_label = "Draw Undermining"
     title, kind = "Undermine", "UNDERMINE"
-    hints = (*_HINTS, ("EVENT_C", "Close and finish"), *_END_HINTS)
-    must_close = True
 
-    points: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
-    time: FloatProperty(name="Frame", description="The frame of the undermining", options={"SKIP_SAVE"})
-    basis: EnumProperty(name="Curve", items=BASES, options={"HIDDEN", "SKIP_SAVE"})
-    closed: BoolProperty(name="Closed", default=True, options={"HIDDEN", "SKIP_SAVE"})
-    line: _line_property()
-    tolerance: _tolerance_property()
-
-    def run(self, context: bpy.types.Context) -> None:
-        check_tissue(context)
-        time = given(self, "time", context.scene.frame_current)
-        add_undermining(context.scene, places(self.points), time, basis=BASIS_OF[self.basis])
-
-    def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(self, "time")
+    def cut(self, scene: bpy.types.Scene, points: list[Point], time: float) -> None:
+        add_undermining(scene, points, time, basis=BASIS_OF[self.basis])
 
 
-class LAPPET_OT_draw_thinning(_LineTool, bpy.types.Operator):
+class LAPPET_OT_draw_thinning(_OutlineTool, bpy.types.Operator):
     """Draw the outline of an area whose deep tissue is taken away"""
 
     bl_label = "Draw Thinning"
-    title, kind = "Thin", "THIN"
-    hints = (*_HINTS, ("EVENT_C", "Close and finish"), *_END_HINTS)
-    must_close = True
+    title, kind, settings = "Thin", "THIN", ("thickness",)
 
-    points: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
-    time: FloatProperty(name="Frame", description="The frame of the thinning", options={"SKIP_SAVE"})
-    basis: EnumProperty(name="Curve", items=BASES, options={"HIDDEN", "SKIP_SAVE"})
-    closed: BoolProperty(name="Closed", default=True, options={"HIDDEN", "SKIP_SAVE"})
-    line: _line_property()
-    tolerance: _tolerance_property()
     thickness: FloatProperty(
         name="Thickness Left",
         description="What stays below the skin, skin included, in mm",
@@ -249,15 +231,8 @@ class LAPPET_OT_draw_thinning(_LineTool, bpy.types.Operator):
         soft_max=20.0,
     )
 
-    def run(self, context: bpy.types.Context) -> None:
-        check_tissue(context)
-        time = given(self, "time", context.scene.frame_current)
-        add_thinning(context.scene, places(self.points), time, self.thickness, basis=BASIS_OF[self.basis])
-
-    def draw(self, _context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(self, "time")
-        self.layout.prop(self, "thickness")
+    def cut(self, scene: bpy.types.Scene, points: list[Point], time: float) -> None:
+        add_thinning(scene, points, time, self.thickness, basis=BASIS_OF[self.basis])
 
 
 def draw_incision_settings(layout: bpy.types.UILayout, owner: Any) -> None:

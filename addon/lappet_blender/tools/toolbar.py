@@ -40,6 +40,17 @@ def _on_press(operator: str) -> tuple[Any, ...]:
     return (*((operator, {**_PRESS, **keys}, None) for keys in ({}, {"shift": True}, {"ctrl": True})), _CLICK)
 
 
+def _settings(operator: str, *names: str) -> Any:
+    """A tool's part of the header: some properties of its operator, a choice among a few spread out."""
+
+    def draw(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties(operator)
+        for name in names:
+            layout.prop(settings, name, expand=name == "line")
+
+    return staticmethod(draw)
+
+
 class EditTool(_Tool):
     bl_idname = "lappet.edit"
     bl_label = "Select and Edit"
@@ -108,12 +119,7 @@ class UndermineTool(_Tool):
     bl_icon = icon_path("undermine")
     bl_cursor = "KNIFE"
     bl_keymap = _on_press("lappet.draw_undermining")
-
-    @staticmethod
-    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
-        settings = tool.operator_properties("lappet.draw_undermining")
-        layout.prop(settings, "line", expand=True)
-        layout.prop(settings, "tolerance")
+    draw_settings = _settings("lappet.draw_undermining", "line", "tolerance")
 
 
 class ThinTool(_Tool):
@@ -123,13 +129,7 @@ class ThinTool(_Tool):
     bl_icon = icon_path("thin")
     bl_cursor = "KNIFE"
     bl_keymap = _on_press("lappet.draw_thinning")
-
-    @staticmethod
-    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
-        settings = tool.operator_properties("lappet.draw_thinning")
-        layout.prop(settings, "line", expand=True)
-        layout.prop(settings, "thickness")
-        layout.prop(settings, "tolerance")
+    draw_settings = _settings("lappet.draw_thinning", "line", "thickness", "tolerance")
 
 
 class HookTool(_Tool):
@@ -140,12 +140,7 @@ class HookTool(_Tool):
     )
     bl_icon = icon_path("hook")
     bl_keymap = _on_press("lappet.place_hook")
-
-    @staticmethod
-    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
-        settings = tool.operator_properties("lappet.place_hook")
-        layout.prop(settings, "frames")
-        layout.prop(settings, "stiffness")
+    draw_settings = _settings("lappet.place_hook", "frames", "stiffness")
 
 
 class RetractorTool(_Tool):
@@ -195,10 +190,7 @@ class LandmarkTool(_Tool):
     bl_description = "Click a point on the skin to follow and measure"
     bl_icon = icon_path("landmark")
     bl_keymap = _on_press("lappet.place_landmark")
-
-    @staticmethod
-    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
-        layout.prop(tool.operator_properties("lappet.place_landmark"), "label")
+    draw_settings = _settings("lappet.place_landmark", "label")
 
 
 TOOLS = (

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lappet.anatomy.tissue_layers import LayerSearch, layer_search
 from lappet.background.make_manifest import epoch_shapes, make_manifest
@@ -15,7 +18,7 @@ from lappet.background.manifest_key import manifest_key
 from lappet.background.manifest_store import get_manifest, put_manifest
 from lappet.checks.validation import check
 from lappet.core.digest import digest
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
@@ -121,15 +124,55 @@ class Compilation:
                 self._compiled.put(key, known)
             return known
 
+    def placed(
+        self, before: Procedure, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]
+    ) -> Compiled:
+        """Make a procedure ready that differs from another by a hook or retractor that a tool still places.
+
+        It has the very surfaces of the other: a cut of its own, with the faces that are gripped as a group, would
+        number the same vertices otherwise, and neither picture nor state would fit. So its frames are of no use to
+        anybody else, and nothing of it is kept.
+
+        Parameters
+        ----------
+        before
+            The procedure without what is placed.
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        step
+            Called between the steps; may raise to stop.
+
+        Returns
+        -------
+        Compiled
+            Manifest and program.
+
+        Raises
+        ------
+        RefusedError
+            If the procedure cannot be solved; holds every problem.
+        """
+        with self._lock:
+            problems = _checked(procedure, settings)
+            step()
+            search = layer_search(before.tissue, before.materials)
+            epochs, shapes = self._cut(_spaced(before, settings), search, step)
+            fresh = {n: f for n, f in procedure.tissue.subsets.items() if n not in before.tissue.subsets}
+            gripped = tuple(_gripping(each, shape, fresh) for each, shape in zip(epochs, shapes, strict=True))
+            step()
+            program = compile_program(procedure, gripped, settings)
+            key = manifest_key(procedure, settings, self.identity)
+            keys = frame_keys(program, self.identity)
+            return Compiled(make_manifest(key, program, keys, shapes, search.layers, problems), program)
+
     def _compile(self, key: str, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Compiled:
         step()
-        problems = check(procedure, spacing=settings.spacing or None)
-        if any(problem.severity == "error" for problem in problems):
-            raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
+        problems = _checked(procedure, settings)
         step()
-        spacing = settings.spacing or procedure.tissue.spacing
         search = layer_search(procedure.tissue, procedure.materials)
-        epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), search, step)
+        epochs, shapes = self._cut(_spaced(procedure, settings), search, step)
         step()
         program = compile_program(
             procedure,
@@ -157,6 +200,25 @@ class Compilation:
             known = epochs, epoch_shapes(epochs, tissue, search)
             self._epochs.put(key, known)
         return known
+
+
+def _checked(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
+    """What is to be said of a procedure; RefusedError where it cannot be solved."""
+    problems = check(procedure, spacing=settings.spacing or None)
+    if any(problem.severity == "error" for problem in problems):
+        raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
+    return problems
+
+
+def _spaced(procedure: Procedure, settings: SolverSettings) -> Procedure:
+    spacing = settings.spacing or procedure.tissue.spacing
+    return replace(procedure, tissue=replace(procedure.tissue, spacing=spacing))
+
+
+def _gripping(epoch: Epoch, shape: EpochShape, groups: Mapping[str, NDArray[np.int32]]) -> Epoch:
+    """An epoch whose surface has some more groups of the tissue's faces."""
+    masks = {name: np.isin(shape.face, faces) for name, faces in groups.items()}
+    return replace(epoch, surface=replace(epoch.surface, grips={**epoch.surface.grips, **masks}))
 
 
 def up_to(program: Program, last: int | None) -> Program:

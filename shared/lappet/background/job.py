@@ -1,4 +1,4 @@
-"""A job of the worker: what was asked, whether it is still wanted, and the hook's newest target in live mode."""
+"""A job of the worker: what was asked, whether it is still wanted, and the newest target in live mode."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass, field
 
 from lappet.background.worker_requests import Ask, JobKind
-from lappet.procedure import Point
+from lappet.procedure import Pose
 
 
 class CancelledError(Exception):
@@ -30,7 +30,7 @@ class Job:
     ask: Ask
     running: bool = False
     at: int | None = None
-    _target: Point | None = None
+    _target: Pose | None = None
     _cancelled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
 
@@ -66,25 +66,25 @@ class Job:
         if self._cancelled:
             raise CancelledError
 
-    def aim(self, target: Point) -> None:
+    def aim(self, target: Pose) -> None:
         """Set the newest target; from any thread.
 
         Parameters
         ----------
         target
-            Target in mm.
+            The target.
         """
         with self._changed:
             self._target = target
             self._changed.notify_all()
 
-    def next_target(self) -> Point:
+    def next_target(self) -> Pose:
         """Wait for a target that has not been taken yet.
 
         Returns
         -------
-        Point
-            Target in mm.
+        Pose
+            The target.
 
         Raises
         ------

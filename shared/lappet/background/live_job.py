@@ -1,4 +1,4 @@
-"""Run live mode: bring the tissue to a frame, then follow the newest target of a hook."""
+"""Run live mode: bring the tissue to a frame, then follow the newest target of a hook or retractor."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from dataclasses import replace
 from typing import NoReturn
 
 from lappet.background.compilation import Compiled
+from lappet.background.held import Held, held_in
 from lappet.background.job import CancelledError, Job
 from lappet.background.live_session import LiveSession
 from lappet.background.manifest import Manifest
 from lappet.background.solve_job import SolveJobs, stoppable
-from lappet.background.worker_events import FrameFailed, LiveFrame, Note
+from lappet.background.worker_events import FrameFailed, Listed, LiveFrame, Note
 from lappet.background.worker_requests import Ask
 from lappet.core.problem import Problem, RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure.prim_paths import TIMELINE
+from lappet.program.program import Program
 from lappet.solve.solve_frames import at_frame, not_converged
 
 
@@ -25,9 +27,10 @@ class LiveJobs(SolveJobs):
     """A runner of live jobs; each lasts until it is cancelled."""
 
     def _run(self, job: Job) -> int:
-        manifest = self.manifest(job)
-        index, hook = _place(manifest, job.ask)
-        compiled = self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step)
+        compiled = self._compiled(job)
+        index = _index(compiled.manifest, job.ask)
+        held = held_in(compiled.program, job.ask.procedure, job.ask.held)
+        _check_pulls(compiled.program, index, held, job.ask)
         try:
             start = self._start(job, compiled, index)
         except _UnsolvedError:
@@ -35,7 +38,7 @@ class LiveJobs(SolveJobs):
         session = LiveSession(
             compiled.program,
             index,
-            hook,
+            held,
             start,
             stoppable(self.connect, job),
             lambda note: self.tell(Note(job.number, note)),
@@ -50,8 +53,21 @@ class LiveJobs(SolveJobs):
         finally:
             session.close()
 
+    def _compiled(self, job: Job) -> Compiled:
+        """The program to pull in, its manifest told to the owner."""
+        ask = job.ask
+        if ask.before is None:
+            self.manifest(job)
+            return self.compilation.compiled(ask.procedure, ask.settings, job.step)
+        compiled = self.compilation.placed(ask.before, ask.procedure, ask.settings, job.step)
+        self.tell(Listed(job.number, compiled.manifest, (False,) * len(compiled.manifest.frames)))
+        job.at = ask.time
+        return compiled
+
     def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
         """The epoch and the state to begin with; None: at rest. Raises _UnsolvedError."""
+        if job.ask.before is not None:
+            return self._start_before(job, compiled, index)
         program, listed = compiled.program, compiled.manifest.frames
         for at in (index, index - 1):
             if at < 0:
@@ -65,6 +81,20 @@ class LiveJobs(SolveJobs):
             if stored is not None:
                 return program.frames[at].epoch, stored
         raise _UnsolvedError
+
+    def _start_before(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
+        """The same where what is held is no part yet of the procedure whose frames are known.
+
+        The tissue is the same and so are its nodes, but where a retractor grips an epoch the keys of all its frames
+        differ.
+        """
+        if index == 0 or job.ask.before is None:
+            return None
+        known = self.compilation.manifest(job.ask.before, job.ask.settings, job.step).frames[index - 1]
+        stored = self.store.get(known.key, SolvedFrame)
+        if stored is None:
+            raise _UnsolvedError
+        return compiled.program.frames[index - 1].epoch, stored
 
     def _follow(self, job: Job, session: LiveSession) -> NoReturn:
         target = session.own_target
@@ -92,18 +122,19 @@ class _UnsolvedError(Exception):
     """A frame before the one that is pulled was not found; its FrameFailed says why."""
 
 
-def _place(manifest: Manifest, ask: Ask) -> tuple[int, int]:
-    """The index of the frame and the number of the hook."""
-    path = f"{TIMELINE}/{ask.hook}"
+def _index(manifest: Manifest, ask: Ask) -> int:
+    """The index of the frame."""
     index = next((i for i, frame in enumerate(manifest.frames) if frame.time == ask.time), None)
     if index is None:
         start, end = manifest.frames[0].time, manifest.frames[-1].time
-        raise refused(ProblemCode.LIVE_NO_FRAME, path, ask.time, start=start, end=end)
-    if ask.hook not in manifest.hooks:
-        raise refused(ProblemCode.LIVE_NO_HOOK, path, ask.hook)
-    hook = manifest.hooks.index(ask.hook)
-    if hook not in manifest.frames[index].hooks:
-        times = [frame.time for frame in manifest.frames if hook in frame.hooks]
-        when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
-        raise refused(ProblemCode.LIVE_NOT_PULLING, path, ask.time, when=when)
-    return index, hook
+        raise refused(ProblemCode.LIVE_NO_FRAME, f"{TIMELINE}/{ask.held}", ask.time, start=start, end=end)
+    return index
+
+
+def _check_pulls(program: Program, index: int, held: Held, ask: Ask) -> None:
+    """Refuse to drag what does not pull at the frame."""
+    if held.pulls(program.frames[index]):
+        return
+    times = [round(frame.time) for frame in program.frames if held.pulls(frame)]
+    when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
+    raise refused(ProblemCode.LIVE_NOT_PULLING, f"{TIMELINE}/{ask.held}", ask.time, when=when)

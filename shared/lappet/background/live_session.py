@@ -1,14 +1,15 @@
-"""Live mode's session: one frame whose hook is dragged, solved again and again from where the tissue is."""
+"""Live mode's session: one frame with something dragged, solved again and again from where the tissue is."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
+from lappet.background.held import Held
 from lappet.core.problem import Problem
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
 from lappet.daemon.solved_frame import SolvedFrame, SolverState
-from lappet.procedure import Point
+from lappet.procedure import Pose
 from lappet.program.program import Program
 from lappet.solve.solve_frames import TRIES, solver_restarted
 
@@ -25,8 +26,8 @@ class LiveSession:
         The program.
     index
         Index of the frame.
-    hook
-        Number of the hook in `Program.hooks`.
+    held
+        What is dragged.
     start
         Epoch and frame of the state to begin with, that of the frame itself or of the one before; None: at rest.
     connect
@@ -39,13 +40,13 @@ class LiveSession:
         self,
         program: Program,
         index: int,
-        hook: int,
+        held: Held,
         start: tuple[int, SolvedFrame] | None,
         connect: Connect,
         note: Callable[[Problem], None],
     ) -> None:
         settings = program.settings
-        # Where the tissue follows a hook, the next update shows soon enough that it rests nowhere else.
+        # Where the tissue follows a drag, the next update shows soon enough that it rests nowhere else.
         self._settings = replace(
             settings,
             tolerance=max(settings.tolerance, TOLERANCE),
@@ -55,7 +56,7 @@ class LiveSession:
         )
         self._program = program
         self._frame = program.frames[index]
-        self._pulled = self._frame.hook_index == hook
+        self._held = held
         self._connect = connect
         self._note = note
         self._solver: FrameSolver | None = None
@@ -64,18 +65,17 @@ class LiveSession:
             self._keep(start[0], start[1])
 
     @property
-    def own_target(self) -> Point:
-        """Where the hook pulls to in the program, mm."""
-        x, y, z = (float(value) for value in self._frame.hook_targets[self._pulled][0])
-        return (x, y, z)
+    def own_target(self) -> Pose:
+        """Where the program has what is dragged."""
+        return self._held.own_target(self._frame)
 
-    def pull(self, target: Point, progress: Callable[[Iteration], None]) -> SolvedFrame:
-        """Find the equilibrium with the hook pulled to a target; where there is none the tissue stays where it was.
+    def pull(self, target: Pose, progress: Callable[[Iteration], None]) -> SolvedFrame:
+        """Find the equilibrium with it at a target; where there is none the tissue stays where it was.
 
         Parameters
         ----------
         target
-            Target in mm.
+            The target.
         progress
             Called at every Newton iteration; what it raises ends the solve.
 
@@ -91,9 +91,7 @@ class LiveSession:
         SolverDiedError
             If the solver died three times in a row.
         """
-        targets = self._frame.hook_targets.copy()
-        targets[self._pulled] = target
-        frame = replace(self._frame, hook_targets=targets)
+        frame = self._held.moved(self._frame, target)
         for attempt in range(1, TRIES + 1):
             try:
                 solved = self._open().solve(frame, progress)

@@ -32,7 +32,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import solver_identity
 from lappet.daemon.process import daemon_identity
 from lappet.daemon.running_daemon import RunningDaemon
-from lappet.procedure import Point, Procedure
+from lappet.procedure import Pose, Procedure
 from lappet.program.settings import SolverSettings
 
 _DEATHS = 3  # in a row, then the jobs that were running are given up
@@ -47,7 +47,7 @@ class _Job:
 
     ask: Ask
     begun: float = field(default_factory=time.perf_counter)
-    target: Point | None = None
+    target: Pose | None = None
     target_waits: bool = False
     cancelled: bool = False
     sent: bool = False
@@ -131,11 +131,18 @@ class BackgroundSolver:
         """
         return self._begin_job("solve", procedure, settings, until=until)
 
-    def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
+    def live(
+        self,
+        procedure: Procedure,
+        settings: SolverSettings,
+        time: int,
+        held: str,
+        before: Procedure | None = None,
+    ) -> int:
         """Open the tissue at a frame for live mode.
 
         `Listed` follows, then `LiveFrame` until the job is cancelled, then `Finished`. The first `LiveFrame` is for
-        the hook's own target.
+        the own target of what is held.
 
         Parameters
         ----------
@@ -145,32 +152,33 @@ class BackgroundSolver:
             How to solve.
         time
             Time code of the frame.
-        hook
-            Name of the hook that pulls.
+        held
+            Name of the hook or retractor that pulls.
+        before
+            The procedure without it, where a tool still places it; its frames are where the tissue begins.
 
         Returns
         -------
         int
             Number of the job.
         """
-        return self._begin_job("live", procedure, settings, time=time, hook=hook)
+        return self._begin_job("live", procedure, settings, time=time, held=held, before=before)
 
-    def live_target(self, job: int, target: Point) -> None:
-        """Move the hook of a live job; only the latest target counts.
+    def live_target(self, job: int, target: Pose) -> None:
+        """Move what a live job holds; only the latest target counts.
 
         Parameters
         ----------
         job
             Number of the job.
         target
-            Target in mm.
+            Where it is, mm, and how it is turned.
         """
-        x, y, z = target
         with self._lock:
             found = self._jobs.get(job)
             if found is None:
                 return
-            found.target = (float(x), float(y), float(z))
+            found.target = tuple(float(value) for value in target)
             waits, found.target_waits = found.target_waits, True
         if not waits:
             self._work.put(("target", job))

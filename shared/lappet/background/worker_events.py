@@ -8,6 +8,7 @@ from lappet.background.assessment import Assessment
 from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.procedure import Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +171,7 @@ class Assessed:
 
 @dataclass(frozen=True, eq=False)
 class LiveFrame:
-    """The skin in live mode for the hook's latest target.
+    """The skin in live mode for the latest target of the hook or retractor.
 
     Parameters
     ----------
@@ -179,7 +180,7 @@ class LiveFrame:
     time
         Time code of the frame that is pulled at.
     target
-        Target in mm.
+        Where it is, mm, and how it is turned.
     frame
         The frame.
     problem
@@ -190,7 +191,7 @@ class LiveFrame:
 
     job: int
     time: int
-    target: tuple[float, float, float]
+    target: Pose
     frame: SolvedFrame
     problem: Problem | None
     seconds: float

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from lappet.daemon.running_daemon import RunningDaemon
-from lappet.procedure import Point, Procedure
+from lappet.procedure import Pose, Procedure
 from lappet.program.settings import SolverSettings
 
 JobKind = Literal["manifest", "solve", "live"]
@@ -30,8 +30,11 @@ class Ask:
         Last frame to solve, or None for all.
     time
         Frame of live mode.
-    hook
-        Hook of live mode.
+    held
+        Hook or retractor of live mode.
+    before
+        Of live mode: the procedure without what is held, where a tool still places that. Its frames are where the
+        tissue begins; None: those of the procedure.
     identity
         What identifies the solver, where the owner knows it.
     daemon
@@ -44,7 +47,8 @@ class Ask:
     settings: SolverSettings
     until: int | None = None
     time: int = 0
-    hook: str = ""
+    held: str = ""
+    before: Procedure | None = None
     identity: str | None = None
     daemon: RunningDaemon | None = None
 
@@ -58,11 +62,11 @@ class Aim:
     job
         Number of the job.
     target
-        Target in mm.
+        Where it is, mm, and how it is turned.
     """
 
     job: int
-    target: Point
+    target: Pose
 
 
 @dataclass(frozen=True)

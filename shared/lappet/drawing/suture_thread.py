@@ -5,9 +5,9 @@ Threads with more than two bites run from each to the next, over the skin where 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from time import monotonic
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,45 @@ class Stitch:
     bites: tuple[Bite, Bite]
     crossing: NDArray[np.float64]
     turned: bool
+
+
+@dataclass(frozen=True, eq=False)
+class SutureWork:
+    """What has to be known to find where a suture is drawn in an epoch; finding it asks no source.
+
+    Parameters
+    ----------
+    index
+        The suture's index.
+    apart
+        Positions at which its lips are easy to tell apart in mm, shape (n, 3).
+    anchors
+        Its ends there in mm, shape (2, 3).
+    closed
+        Positions of the last frame at which it is active in mm, shape (n, 3).
+    ends
+        Its ends there in mm, shape (2, 3).
+    """
+
+    index: int
+    apart: NDArray[np.float32]
+    anchors: NDArray[np.float32]
+    closed: NDArray[np.float32]
+    ends: NDArray[np.float32]
+
+
+class Pending(Protocol):
+    """What a thread finds."""
+
+    @property
+    def done(self) -> bool:
+        """Whether it is found."""
+
+    def take(self) -> dict[int, Stitch | None]:
+        """Return it, by the suture's index."""
+
+
+Begin = Callable[[Callable[[], dict[int, Stitch | None]]], Pending]
 
 
 def buried_sutures(source: SkinSource) -> frozenset[int]:
@@ -94,16 +133,25 @@ def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int, near: Triang
         Whether it does.
     """
     points, anchors = source.suture_apart(epoch, index)
-    near = near or TrianglesNear(points, epoch.triangles)
+    return _lies_deep(epoch, points, anchors, source.depth(epoch), near or TrianglesNear(points, epoch.triangles))
+
+
+def _lies_deep(
+    epoch: SkinEpoch,
+    points: NDArray[np.float32],
+    anchors: NDArray[np.float32],
+    depth: NDArray[np.float32],
+    near: TrianglesNear,
+) -> bool:
     around = np.unique(np.concatenate([near.around(end, 2.0 * near.longest) for end in anchors]))
-    return buried(points, epoch.triangles[around], source.depth(epoch), anchors)
+    return buried(points, epoch.triangles[around], depth, anchors)
 
 
 class SutureThread:
     """The stitches of a procedure.
 
-    `until` is the monotonic second after which `tubes` finds no new ones, None: it finds all; then `unfinished` says
-    whether some are left.
+    `begin` has a thread find new stitches, None: `tubes` finds them itself. They are drawn once they are found;
+    `pending` is what is still to be waited for.
 
     Parameters
     ----------
@@ -135,13 +183,13 @@ class SutureThread:
         own = EpochSearches() if before is None else before._searches
         self._searches: EpochSearches = own if searches is None else searches
         self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {} if before is None else before._near
-        self.until: float | None = None
-        self.unfinished = self._fresh = False
+        self.begin: Begin | None = None
+        self._begun: tuple[str, Pending] | None = None
 
     @property
-    def searched(self) -> bool:
-        """Whether the last drawing had to find where a stitch bites, which takes long."""
-        return self._fresh
+    def pending(self) -> Pending | None:
+        """The stitches that a thread is finding."""
+        return None if self._begun is None else self._begun[1]
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """Draw the thread and knots of a frame.
@@ -173,7 +221,6 @@ class SutureThread:
             Lines in mm, shape (k, 3) each, by the index of the suture and the number of the line: 0 is the thread, 1
             the knot's coil, 2 and 3 are its tails.
         """
-        self.unfinished = self._fresh = False
         sutures, sliding = self._source.sutures(time), self._source.threads(time)
         lines = self._over_skin(time, sliding)  # the skin hides what runs in the tissue
         active = [
@@ -184,8 +231,8 @@ class SutureThread:
         if not active:
             return lines
         epoch = self._source.epoch_at(time)
-        until = np.inf if self.until is None else self.until
-        shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
+        self._find(epoch, active)
+        shown = self._apart({i: s for i in active if (s := self._stitches.get((epoch.name, i))) is not None})
         if not shown:
             return lines
         points = self._source.positions(epoch, time)
@@ -223,38 +270,53 @@ class SutureThread:
                 kept[index] = stitch
         return kept
 
-    def _find(self, epoch: SkinEpoch, index: int, until: float) -> Stitch | None:
-        key = (epoch.name, index)
-        if key not in self._stitches:
-            if self._fresh and monotonic() > until:
-                self.unfinished = True
-                return None
-            self._fresh = True  # one at least is found every time
-            points, _ = self._source.suture_apart(epoch, index)
-            if epoch.name not in self._near or self._near[epoch.name][0] is not points:
-                at_rest = points is self._source.rest(epoch)
-                near = self._searches.near(epoch, points) if at_rest else TrianglesNear(points, epoch.triangles)
-                self._near[epoch.name] = points, near
-            near = self._near[epoch.name][1]
-            deep = self._hidden is None and suture_buried(self._source, epoch, index, near)
-            self._stitches[key] = None if deep else self._made(epoch, index, near)
-        return self._stitches[key]
+    def _find(self, epoch: SkinEpoch, active: Sequence[int]) -> None:
+        """Find what is not known of some sutures, or have it found."""
+        if self._begun is not None:
+            name, pending = self._begun
+            if self.begin is not None and not pending.done:
+                return
+            self._begun = None
+            self._stitches.update({(name, index): found for index, found in pending.take().items()})
+        wanted = [self._work(epoch, index) for index in active if (epoch.name, index) not in self._stitches]
+        if not wanted:
+            return
+        rest, depth = self._source.rest(epoch), self._source.depth(epoch)
 
-    def _made(self, epoch: SkinEpoch, index: int, near: TrianglesNear) -> Stitch | None:
-        """A stitch, None where there is no skin near an end: of a suture that came to no rest."""
-        points, anchors = self._source.suture_apart(epoch, index)
+        def find() -> dict[int, Stitch | None]:
+            return {work.index: self._found(epoch, rest, depth, work) for work in wanted}
+
+        if self.begin is not None:
+            self._begun = epoch.name, self.begin(find)
+        else:
+            self._stitches.update({(epoch.name, index): found for index, found in find().items()})
+
+    def _work(self, epoch: SkinEpoch, index: int) -> SutureWork:
+        last = self._source.suture_closed(epoch, index)
+        closed, ends = self._source.positions(epoch, last), self._source.sutures(last).ends[index]
+        return SutureWork(index, *self._source.suture_apart(epoch, index), closed, ends)
+
+    def _found(
+        self, epoch: SkinEpoch, rest: NDArray[np.float32], depth: NDArray[np.float32], work: SutureWork
+    ) -> Stitch | None:
+        """A stitch; None where it lies deep, or has no skin near an end: of a suture that came to no rest."""
+        known = self._near.get(epoch.name)
+        if known is None or known[0] is not work.apart:
+            at_rest = work.apart is rest
+            near = self._searches.near(epoch, rest) if at_rest else TrianglesNear(work.apart, epoch.triangles)
+            self._near[epoch.name] = known = work.apart, near
+        near = known[1]
+        if self._hidden is None and _lies_deep(epoch, work.apart, work.anchors, depth, near):
+            return None
         radius = 2.0 * BITE * self._scale
         lips = []
-        for end in anchors:
+        for end in work.anchors:
             around = near.around(end, radius + 3.0 * near.longest)
             if not (epoch.origin[around] == SKIN).any():
                 return None
-            lips.append(find_lip(points, epoch.triangles[around], epoch.origin[around], end, radius))
-        last = self._source.suture_closed(epoch, index)
-        closed = self._source.positions(epoch, last)
-        ends = self._source.sutures(last).ends[index]
-        across = find_bites(closed, (lips[0], lips[1]), ends, BITE * self._scale)
-        way = across[1].carried(closed) - across[0].carried(closed)
+            lips.append(find_lip(work.apart, epoch.triangles[around], epoch.origin[around], end, radius))
+        across = find_bites(work.closed, (lips[0], lips[1]), work.ends, BITE * self._scale)
+        way = across[1].carried(work.closed) - across[0].carried(work.closed)
         turned = bool(way @ self._facing > 0.0)
         bites = (across[1], across[0]) if turned else across
-        return Stitch(bites, ends.astype(np.float64).mean(axis=0), turned)
+        return Stitch(bites, work.ends.astype(np.float64).mean(axis=0), turned)

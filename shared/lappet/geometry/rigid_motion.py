@@ -41,6 +41,7 @@ class RigidMotion:
             raise refused(ProblemCode.MOTION_NOT_FINITE, prim)
         if abs(np.linalg.det(matrices[0, :3, :3])) < 1e-12:
             raise refused(ProblemCode.MOTION_NOT_INVERTIBLE, prim, f"{self._times[0]:g}")
+        self._first = matrices[0]
         motions = matrices @ np.linalg.inv(matrices[0])
         self._rotations = motions[:, :3, :3]
         # Interpolated about the prim's own origin, which so moves along a straight line.
@@ -76,6 +77,22 @@ class RigidMotion:
         motion[:3, :3] = rotation
         motion[:3, 3] = offset + self._pivot - rotation @ self._pivot
         return motion
+
+    def pose(self, time: float) -> NDArray[np.float64]:
+        """Compute where the prim is, and how it is turned.
+
+        Parameters
+        ----------
+        time
+            Time code.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Its transform, shape (4, 4), column-vector convention, mm.
+        """
+        pose: NDArray[np.float64] = self.at(time) @ self._first
+        return pose
 
     def between(self, start: float, time: float) -> NDArray[np.float64]:
         """Compute the motion from one time to another.

@@ -28,6 +28,7 @@ from lappet.procedure.plate import (
     PlateAnnotation,
     PlatePanel,
 )
+from lappet.procedure.pose import Pose, matrix_pose, place_of, pose_at, pose_matrix
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.scenery import SCENERY_KINDS, Scenery, SceneryKind
@@ -73,6 +74,7 @@ __all__ = [
     "PlateAnnotation",
     "PlatePanel",
     "Point",
+    "Pose",
     "Pressure",
     "Procedure",
     "Region",
@@ -95,5 +97,9 @@ __all__ = [
     "Undermine",
     "Vessel",
     "VesselKind",
+    "matrix_pose",
+    "place_of",
+    "pose_at",
+    "pose_matrix",
     "position_of",
 ]

@@ -1,4 +1,4 @@
-"""Make tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
+"""Make tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates, if any."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.flatten import flatten
 from lappet.geometry.mesh_faults import EDGES, refuse_faults, refuse_unreadable
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
+from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
 
 
@@ -39,7 +41,7 @@ def sheet_tissue(
         Thickness of the sheet in mm.
     uv
         Texture coordinates of the corners, shape (k, 2), which the underside shares and the rim continues outwards at
-        the same scale.
+        the same scale; None: the surface is laid out flat, at 1 unit per 100 mm.
     subsets
         Face indices by name.
     name
@@ -68,9 +70,9 @@ def sheet_tissue(
     faces = len(sizes)
     rim = np.arange(2 * faces, 2 * faces + len(quads))
     underside = np.arange(faces, 2 * faces)
-    corner_uv = None
-    if uv is not None:
-        corner_uv = np.concatenate([uv, uv[back], _rim_uv(sheet, points, sizes, corners, uv, thickness)])
+    if uv is None:
+        uv = (UV_SCALE * flatten(points, triangles))[corners].astype(np.float32)
+    corner_uv = np.concatenate([uv, uv[back], _rim_uv(sheet, points, sizes, corners, uv, thickness)])
     return Tissue(
         points=sheet.points.astype(np.float32).astype(np.float64),
         face_vertex_counts=np.concatenate([sizes, sizes, np.full(len(quads), 4)]).astype(np.int32),
