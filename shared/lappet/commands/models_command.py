@@ -60,7 +60,7 @@ def show(context: click.Context, /, name: str) -> None:
     "--laxity", type=float, default=1.0, show_default=True, help="0 for skin under its published tension, 1 for none."
 )
 @click.option("--spacing", type=float, metavar="MM", help="Lattice edge.  [default: the model's]")
-@gravity_options("0")
+@gravity_options("9.81")
 @click.option("--excision", is_flag=True, help="Add a fusiform excision, undermined and closed.")
 @click.option("--deep", is_flag=True, help="With the layer below the fat: SMAS, fascia, muscle or cartilage.")
 @click.option("--scenery/--no-scenery", default=True, help="Show the body around the tissue.  [default: scenery]")

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
@@ -62,10 +61,11 @@ def _muscle(name: str) -> Material:
 _THIN = Depth(
     1.0, CHOSEN, "no measurement was found; its law is the skin's, as Har-Shai 1996 found both somewhat alike"
 )
-_MOUTH = DeepLayer(
+_CLEFT = DeepLayer(
     "the orbicularis of the mouth",
     _muscle("orbicularis_oris"),
-    Depth(2.0, CHOSEN, "no measurement was found that could be read"),
+    Depth(1.0, CHOSEN, "no measurement was found; a lip with a cleft has no room for more"),
+    within=True,
 )
 DEEP_LAYERS = {
     "face": DeepLayer("the SMAS", _SMAS, _THIN),
@@ -81,9 +81,13 @@ DEEP_LAYERS = {
         Depth(0.55, "Dhong 2002", "of the lateral crura; the upper cartilages are taken to be as thick"),
         subunits=("nasal_tip", "columella", "nasal_sidewall_left", "nasal_sidewall_right"),
     ),
-    "lips": _MOUTH,
-    "cleft-lip": _MOUTH,
-    "cleft-lip-complete": _MOUTH,
+    "lips": DeepLayer(
+        "the orbicularis of the mouth",
+        _muscle("orbicularis_oris"),
+        Depth(2.0, CHOSEN, "no measurement was found that could be read"),
+    ),
+    "cleft-lip": _CLEFT,
+    "cleft-lip-complete": _CLEFT,
     "eyelids": DeepLayer(
         "the orbicularis of the eye",
         _muscle("orbicularis_oculi"),
@@ -92,13 +96,6 @@ DEEP_LAYERS = {
     ),
     "forehead": DeepLayer(
         "the frontalis", _muscle("frontalis"), Depth(1.5, CHOSEN, "no measurement was found that could be read")
-    ),
-    "ear": DeepLayer(
-        "the cartilage of the auricle",
-        CARTILAGE.material,
-        Depth(0.6, "Conchal bowl", "half of the 1.2 mm of the concha below either side"),
-        within=True,
-        subunits=("auricle",),
     ),
     "neck": DeepLayer(
         "the platysma", _muscle("platysma"), Depth(1.0, CHOSEN, "no measurement was found that could be read")
@@ -149,22 +146,9 @@ def with_deep_layer(procedure: Procedure, layer: DeepLayer, below_skin: float) -
     """
     tissue = procedure.tissue
     faces = np.flatnonzero(skin_faces(tissue)).astype(np.int32)
-    if layer.subunits == ("auricle",):
-        faces = _auricle(procedure, faces)
-    elif layer.subunits:
+    if layer.subunits:
         own = [tissue.subsets[f"subunit_{name}"] for name in layer.subunits if f"subunit_{name}" in tissue.subsets]
         faces = np.unique(np.concatenate(own)).astype(np.int32)
     region = Region(FACES, layer.material.name, depth_from=below_skin)
     deeper = replace(tissue, subsets={**tissue.subsets, FACES: faces}, regions=(*tissue.regions, region))
     return replace(procedure, tissue=deeper, materials=(*procedure.materials, layer.material))
-
-
-def _auricle(procedure: Procedure, skin: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The skin below which there is free inner skin instead of a bed: both sides of the auricle.
-
-    The triangles of a model's underside come after those of its skin, in the same order.
-    """
-    tissue = procedure.tissue
-    on_bed = np.zeros(len(tissue.face_vertex_counts), bool)
-    on_bed[tissue.subsets["bed"]] = True
-    return skin[~on_bed[skin + len(skin)]]

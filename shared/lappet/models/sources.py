@@ -33,10 +33,6 @@ SOURCES: dict[str, str] = {
         "Dhong et al. 2002, Ann Plast Surg 48:386: 52 alar cartilages of 26 Koreans; the lateral crura 0.55 mm thick "
         "in men and 0.54 in women (the abstract was read)"
     ),
-    "Conchal bowl": (
-        "Anatomical analysis of the conchal bowl cartilage: 35 pairs of ears; 1.15 ± 0.26 mm thick in women and "
-        "1.25 ± 0.23 in men (the abstract was read, pocketdentistry.com)"
-    ),
     "Abe 2019": (
         "Abe et al. 2019, Cosmetics 6:65, doi 10.3390/cosmetics6040065: ultrasound of six muscles of the face of 98 "
         "people, each measured twice (the abstract was read)"
