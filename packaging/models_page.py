@@ -66,7 +66,7 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   amounts that `--target` gives. A model holds the same skin whatever the shape.
 
 What a model is not: a patient. The body is one that artists made, not a scan; thicknesses are means or chosen and one
-number for each model; the deeper layer, where there is one, is a sheet as thick everywhere, and the ear has no cartilage.
+number for each model; the deeper layer, where there is one, is a sheet as thick everywhere; the ear has no cartilage.
 """
 
 
