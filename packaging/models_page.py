@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from lappet.models.catalogue import BODY_MODELS
+from lappet.models.deep_layer import DEEP_LAYERS
 from lappet.models.description import LICENSE, sources_of
 from lappet.models.model import Depth, Model
 from lappet.models.muscle_plans import MUSCLES
@@ -27,6 +28,7 @@ lappet models new face -o face.usda --age 70 --sex female --weight 0.3
 lappet models new nose -o nose.usda --target nose/nose-hump-incr=0.8
 lappet models targets nose                 # all shape targets with "nose" in their name
 lappet models new cheek -o cheek.usda --excision      # with a first operation: a fusiform excision, closed
+lappet models new scalp -o scalp.usda --deep          # with the galea, a layer of its own
 ```
 
 In Blender: *Add > Lappet > Model*. It never downloads anything; fetch the package on the command line first.
@@ -58,11 +60,13 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   `--age` says otherwise. The free lip has no bed. The landmarks and lines of a repair are `cleft_peak_medial`,
   `cleft_peak_lateral`, `cleft_apex`, `columella_base_cleft`, `cleft_red_medial`, `cleft_red_lateral` and
   `alar_crease_cleft`; the design that repairs it is [`millard`](flaps/millard.md).
+- **The layer below**: `--deep` gives some models one layer more, in the table [below](#the-layer-below-the-fat). A cut
+  without a depth goes through it as well, and undermining lies below it.
 - **Shape**: age, sex and weight mix the package's own targets as MakeHuman does, all other targets are added in the
   amounts that `--target` gives. A model holds the same skin whatever the shape.
 
 What a model is not: a patient. The body is one that artists made, not a scan; thicknesses are means or chosen and one
-number for each model; muscles, SMAS, galea and cartilage are not layers of their own.
+number for each model; the deeper layer, where there is one, is a sheet as thick everywhere; the ear has no cartilage.
 """
 
 
@@ -88,10 +92,10 @@ def models_page() -> str:
             f"| `{plain.name}` | {plain.title} | {plain.skin:g} | 2.5 | [`skin`](tissues.md#skin) | default | "
             f"{plain.spacing:g} | {plain.trial.length:g} |"
         )
-    rows += ["", *_whole_body(), "", *_vessels(), "", "## Where the thicknesses come from", ""]
+    rows += ["", *_deep_layers(), "", *_whole_body(), "", *_vessels(), "", "## Where the thicknesses come from", ""]
     for model in BODY_MODELS.values():
         rows.append(f"- `{model.name}`: skin {_depth(model.skin)}; below it {_depth(model.fat)}. {_tension(model)}")
-    drawn = ["Borges 1962", *(course.source for course in COURSES), FACIAL_ARTERY]
+    drawn = ["Borges 1962", "Borges 1984", *(course.source for course in COURSES), FACIAL_ARTERY]
     used = dict.fromkeys([*(name for model in BODY_MODELS.values() for name in sources_of(model)), *drawn])
     rows += ["", "## Sources", "", *(f"- {name}: {SOURCES[name]}." for name in SOURCES if name in used), ""]
     rows += [
@@ -103,6 +107,25 @@ def models_page() -> str:
         "",
     ]
     return INTRODUCTION + "\n" + "\n".join(rows)
+
+
+def _deep_layers() -> list[str]:
+    """The section about the layers below the fat."""
+    return [
+        "## The layer below the fat",
+        "",
+        "With `--deep`, or *Deep Layer* in Blender. The fibers of muscles run across the skin lines (Borges 1984). The "
+        "excisions of the table above were tried with it too, cut through the layer: every frame converged.",
+        "",
+        "| model | layer | mm | where | material | thickness from |",
+        "|---|---|---:|---|---|---|",
+        *(
+            f"| `{name}` | {layer.title} | {layer.depth.mm:g} | "
+            f"{'the deepest of what lies below the skin' if layer.within else 'below it, added'} | "
+            f"`{layer.material.name}` | {layer.depth.source}: {layer.depth.how} |"
+            for name, layer in DEEP_LAYERS.items()
+        ),
+    ]
 
 
 def _vessels() -> list[str]:

@@ -33,7 +33,8 @@ def cylinder(step: float) -> SkinSheet:
     )
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
-    return SkinSheet(ClosestPoint(points, triangles), normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return SkinSheet(ClosestPoint(points, triangles), unit, points, triangles)
 
 
 def test_on_a_sphere_a_design_lies_where_the_formula_puts_it() -> None:

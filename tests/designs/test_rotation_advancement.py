@@ -45,15 +45,27 @@ def test_the_red_is_pared_down_to_one_point_in_the_middle_below_the_margins() ->
     assert np.linalg.norm(first[-1] - middle) == pytest.approx(6.0)
 
 
-def test_of_a_notched_lip_no_more_is_pared_than_there_is() -> None:
-    whole, half = drawn(), drawn(red_share=0.5)
-    ends = [edge(half, "red", k)[-1] for k in (0, 1)]
-    for k, end in enumerate(ends):
-        assert length(edge(half, "red", k)) == pytest.approx(0.5 * length(edge(whole, "red", k)))
-        assert tuple(end) in half.excised[0].outline
-    assert np.linalg.norm(ends[0] - ends[1]) == pytest.approx(4.0)  # half of the gap, which is 8 mm
-    assert len(set(half.excised[0].outline)) == len(half.excised[0].outline)
-    assert len(set(whole.excised[0].outline)) == len(whole.excised[0].outline)
+@pytest.mark.parametrize("narrowing", [-0.1, 0.0, 0.5])
+def test_on_a_notched_lip_the_cuts_through_the_red_stay_apart(narrowing: float) -> None:
+    notched = drawn(narrowing=narrowing)
+    ends = [edge(notched, "red", k)[-1] for k in (0, 1)]
+    begins = [edge(notched, "red", k)[0] for k in (0, 1)]
+    assert np.linalg.norm(np.mean(ends, axis=0) - np.mean(begins, axis=0)) == pytest.approx(6.0)
+    assert all(tuple(end) in notched.excised[0].outline for end in ends)
+    assert np.linalg.norm(ends[0] - ends[1]) == pytest.approx(8.0 * (1.0 - narrowing))
+    for design in (notched, drawn()):
+        assert len(set(design.excised[0].outline)) == len(design.excised[0].outline)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_the_blade_turns_towards_the_lateral_margin_and_away_from_the_other_lip(mirrored: bool) -> None:
+    lateral = edge(drawn(mirrored), "lip", 0)[-1]
+    turned = np.array(drawn(mirrored, blade_turn=20.0).blade)
+    assert turned[1] * lateral[1] > 0.0
+    assert turned[2] == pytest.approx(-np.cos(np.radians(20.0)))
+    lifted = np.array(drawn(mirrored, blade_lift=30.0).blade)
+    assert lifted[0] < 0.0  # x runs down the cleft
+    assert lifted[2] == pytest.approx(-np.cos(np.radians(30.0)))
 
 
 def test_the_tip_of_the_lateral_flap_meets_the_end_of_the_rotation_incision() -> None:

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 from lappet import check
+from lappet.anatomy.tissue_layers import layer_search
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
+from lappet.cutting.epochs import build_epochs
 from lappet.geometry.closest_point import closest_points
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.models.body_shape import BodyShape
 from lappet.models.catalogue import BODY_MODELS
+from lappet.models.deep_layer import DEEP_LAYERS
 from lappet.models.model_choice import ModelChoice
 from lappet.models.new_model import MODELS, new_model
 from lappet.procedure import Procedure
@@ -28,6 +32,12 @@ def made(name: str) -> Procedure:
 @pytest.mark.parametrize("name", list(MODELS))
 def test_every_model_with_its_excision_has_no_problem(name: str) -> None:
     assert check(made(name)) == []
+
+
+@pytest.mark.parametrize("name", ["ear", "eyelids"])
+def test_beside_a_rim_the_excision_parts_the_skin_that_it_undermines_from_the_rest(name: str) -> None:
+    surface = build_epochs(made(name))[-1].surface
+    assert 0 < np.count_nonzero(surface.resting) < 0.2 * np.count_nonzero(surface.origin == FaceOrigin.UNDERSIDE)
 
 
 @pytest.mark.parametrize("name", list(BODY_MODELS))
@@ -79,6 +89,56 @@ def test_scenery_begins_where_the_tissue_ends(name: str) -> None:
     assert away.max() < 0.02  # the scenery is rounded to 0.01 mm
 
 
+def test_the_lining_of_a_lip_with_a_cleft_has_neither_a_bed_nor_scenery_before_it() -> None:
+    procedure = made("cleft-lip")
+    tissue = procedure.tissue
+    assert len(tissue.subsets["lining"]) > 200
+    assert not np.intersect1d(tissue.subsets["lining"], tissue.subsets["bed"]).size
+    (around,) = (each for each in procedure.scenery if each.kind == "skin")
+    middles = around.points[around.face_vertex_indices.reshape(-1, 3)].mean(axis=1)
+    assert not ((np.abs(middles[:, 0]) < 15.0) & (middles[:, 2] > 676.0) & (middles[:, 2] < 684.0)).any()
+
+
+@cache
+def deep(name: str) -> Procedure:
+    return new_model(name, ModelChoice(deep=True, scenery=False))
+
+
+def test_a_layer_below_the_fat_makes_the_tissue_thicker_by_itself() -> None:
+    procedure, layer = deep("cheek"), DEEP_LAYERS["cheek"]
+    skin, tissue = SkinSheet.of(procedure.tissue), procedure.tissue
+    below = tissue.points[np.unique(tissue.face_vertex_indices.reshape(-1, 3)[tissue.subsets["underside"]])]
+    away = np.linalg.norm(skin.place(below) - below, axis=1)
+    assert np.median(away) == pytest.approx(BODY_MODELS["cheek"].thickness + layer.depth.mm, rel=0.05)
+    assert layers_of(procedure) == [("cheek", 0.0), ("fat", 1.2), ("smas", 4.0)]
+
+
+def test_the_galea_is_the_deepest_of_the_scalp() -> None:
+    procedure = deep("scalp")
+    assert layers_of(procedure) == [("scalp", 0.0), ("fat", 1.6), ("galea", 4.1)]
+    assert procedure.tissue.points == pytest.approx(new_model("scalp", ModelChoice(scenery=False)).tissue.points)
+
+
+def test_the_nose_has_cartilage_below_its_tip_and_sidewalls_only() -> None:
+    tissue = deep("nose").tissue
+    (region,) = (each for each in tissue.regions if each.material == "cartilage")
+    own = tissue.subsets[region.faces]
+    assert np.isin(tissue.subsets["subunit_nasal_tip"], own).all()
+    assert not np.isin(tissue.subsets["subunit_ala_left"], own).any()
+
+
+def test_muscles_run_across_the_skin_lines() -> None:
+    (muscle,) = (each for each in deep("forehead").materials if each.name == "frontalis")
+    assert muscle.fiber_angle == 90.0
+    assert muscle.has_fibers
+
+
+def layers_of(procedure: Procedure) -> list[tuple[str, float]]:
+    layers = layer_search(procedure.tissue, procedure.materials).layers
+    assert layers.columns == 1
+    return [(name, pytest.approx(depth)) for name, depth in zip(layers.materials, layers.depth_from, strict=True)]
+
+
 def _skin(procedure: Procedure) -> np.ndarray:
     tissue = procedure.tissue
     count = len(tissue.face_vertex_counts)
@@ -114,6 +174,9 @@ def test_laxity_takes_the_tension_of_the_preset_away() -> None:
     ("name", "choice", "code"),
     [
         ("nostril", ModelChoice(), ProblemCode.MODEL_UNKNOWN),
+        ("hand", ModelChoice(deep=True), ProblemCode.MODEL_NO_DEEP_LAYER),
+        ("patch", ModelChoice(deep=True), ProblemCode.MODEL_NO_DEEP_LAYER),
+        ("body", ModelChoice(deep=True), ProblemCode.MODEL_NO_DEEP_LAYER),
         ("nose", ModelChoice(skin=0.0), ProblemCode.MODEL_PARAMETER),
         ("nose", ModelChoice(laxity=1.5), ProblemCode.MODEL_PARAMETER),
         ("nose", ModelChoice(spacing=float("nan")), ProblemCode.MODEL_PARAMETER),

@@ -49,7 +49,14 @@ class ManifestSource:
             times.setdefault(frame.epoch, []).append(float(frame.time))
         self._shapes = manifest.epochs
         self._epochs = tuple(
-            SkinEpoch(_epoch_name(k, s), s.triangles, s.origin, s.grid, tuple(times.get(k, ())))
+            SkinEpoch(
+                _epoch_name(k, s),
+                s.triangles,
+                s.origin,
+                s.grid,
+                tuple(times.get(k, ())),
+                lining=s.lining if len(s.lining) else None,
+            )
             for k, s in enumerate(manifest.epochs)
         )
         self._shape_of = {e.name: s for e, s in zip(self._epochs, manifest.epochs, strict=True)}

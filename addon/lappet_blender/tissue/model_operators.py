@@ -48,11 +48,19 @@ class LAPPET_OT_model_add(OperatorBase, bpy.types.Operator):
         name="Excision", description="With a first operation: a fusiform excision, closed", default=False
     )
 
+    deep: BoolProperty(
+        name="Deep Layer",
+        description="With the layer below the fat, where the model has one: SMAS, fascia, muscle or cartilage",
+        default=False,
+    )
+
     def run(self, context: bpy.types.Context) -> str:
         scene = context.scene
         if scene.lappet.tissue.object is not None or len(scene.lappet.events):
             raise refused(ProblemCode.MODEL_SCENE_TAKEN, scene.name, self.model)
-        choice = ModelChoice(self._shape(), self.skin or None, self.laxity, None, self.scenery, self.excision)
+        choice = ModelChoice(
+            self._shape(), self.skin or None, self.laxity, None, self.scenery, self.excision, self.deep
+        )
         procedure = new_model(self.model, choice)
         collection = bpy.data.collections.new(self.model.capitalize())
         scene.collection.children.link(collection)

@@ -14,7 +14,7 @@ from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
 from lappet.core.problem import Problem
 from lappet.cutting.epoch import Epoch
-from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import LINING, FaceOrigin, Surface
 from lappet.geometry.skin_shape import uv_scale
 from lappet.procedure import Tissue
 from lappet.program.program import Program
@@ -116,4 +116,6 @@ def _shape(
         "face": faces.of(surface),
         "column": found.column,
     }
+    if LINING in surface.grips:
+        arrays["lining"] = surface.grips[LINING]
     return EpochShape(digest("epoch shape", arrays).hex(), float(start), **arrays)

@@ -38,6 +38,8 @@ class EpochShape:
         Face of the tissue's mesh that each triangle lies on, -1 for wound walls, shape (m,), int32.
     column
         Column of layers that each triangle lies in (`Manifest.layers`), shape (m,), int32; without entries the first.
+    lining
+        Which triangles are underside with nothing below it, shape (m,), bool; without entries none.
     """
 
     key: str
@@ -49,6 +51,7 @@ class EpochShape:
     depth: NDArray[np.float32]
     face: NDArray[np.int32]
     column: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    lining: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
 
 
 @dataclass(frozen=True)

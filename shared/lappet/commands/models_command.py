@@ -60,8 +60,9 @@ def show(context: click.Context, /, name: str) -> None:
     "--laxity", type=float, default=1.0, show_default=True, help="0 for skin under its published tension, 1 for none."
 )
 @click.option("--spacing", type=float, metavar="MM", help="Lattice edge.  [default: the model's]")
-@gravity_options("0")
+@gravity_options("9.81")
 @click.option("--excision", is_flag=True, help="Add a fusiform excision, undermined and closed.")
+@click.option("--deep", is_flag=True, help="With the layer below the fat: SMAS, fascia, muscle or cartilage.")
 @click.option("--scenery/--no-scenery", default=True, help="Show the body around the tissue.  [default: scenery]")
 @click.pass_context
 def new(
@@ -79,6 +80,7 @@ def new(
     position: tuple[float, float, float] | None,
     gravity: float | None,
     excision: bool,
+    deep: bool,
     scenery: bool,
 ) -> None:
     """Make a procedure from model NAME."""
@@ -90,7 +92,7 @@ def new(
         from lappet.usd.stage import write_procedure
 
         shape = _shape(name, age, sex, weight, targets)
-        procedure = new_model(name, ModelChoice(shape, skin, laxity, spacing, scenery, excision))
+        procedure = new_model(name, ModelChoice(shape, skin, laxity, spacing, scenery, excision, deep))
         tissue = with_gravity(procedure.tissue, position, gravity)
         write_procedure(replace(procedure, tissue=tissue), output)
         click.echo(f"Written: {output}")

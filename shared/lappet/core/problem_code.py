@@ -579,6 +579,7 @@ class ProblemCode(StrEnum):
     MODEL_TARGET_UNKNOWN = auto()
     MODEL_TARGET_TEXT = auto()
     MODEL_NO_BODY = auto()
+    MODEL_NO_DEEP_LAYER = auto()
     MODEL_SCENE_TAKEN = auto()
     SCENERY_KIND = auto()
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.blade_section import blade_section
 from lappet.designs.crossing_cuts import crossing_cuts
 from lappet.designs.flap_design import Edge, FlapDesign
 from lappet.designs.flat_curves import length
@@ -19,7 +20,7 @@ from lappet.designs.geodesic_drape import GeodesicDrape, Misfit
 from lappet.designs.library import library_design
 from lappet.designs.opening_drape import OpeningDrape
 from lappet.designs.skin_holes import SkinHoles
-from lappet.procedure import Tissue
+from lappet.procedure import Point, Tissue
 from lappet.tissue.skin_sheet import SkinSheet
 
 _APART = 0.05  # mm: points of an edge that the skin brings nearer to each other are one
@@ -92,7 +93,7 @@ def flap_on_skin(
     drape.prepare(np.vstack(asked))
     design = row.draw(drape.middle, direction, normal=drape.normal, mirrored=mirrored, project=drape, **given)
     if design.blade is not None:
-        design = with_edges_on_skin(design, skin)
+        design = with_edges_on_skin(design, design.blade, skin)
     if drape.misfit is not None:
         _refuse_misfit(name, drape.misfit, holes)
     if holes:
@@ -123,25 +124,33 @@ def _opening_around(
     return found
 
 
-def with_edges_on_skin(design: FlapDesign, skin: SkinSheet) -> FlapDesign:
+def with_edges_on_skin(design: FlapDesign, blade: Point, skin: SkinSheet) -> FlapDesign:
     """Lay the edges that are sewn onto the skin: those of a cut with a blade may be drawn beside a rim.
+
+    A straight edge that leaves the skin goes on where the blade's plane meets it, over the rim, as long as it was
+    drawn.
 
     Parameters
     ----------
     design
         The design.
+    blade
+        Direction of its blade.
     skin
         The skin.
 
     Returns
     -------
     FlapDesign
-        The design with each point of its seams' edges where the skin is closest to it.
+        The design with each point of its seams' other edges where the skin is closest to it.
     """
 
     def laid(edge: Edge) -> Edge:
         points = np.array(edge.points)
         on_skin = skin.place(points)
+        over = _over_rim(points, on_skin, blade, skin)
+        if over is not None:
+            return replace(edge, points=tuple((float(x), float(y), float(z)) for x, y, z in over))
         apart = np.linalg.norm(np.diff(on_skin, axis=0), axis=1) > _APART
         chosen = np.concatenate([[True], apart[:-1], [True]]) if len(points) > 2 else np.ones(len(points), bool)
         moved = np.linalg.norm(on_skin - points, axis=1) > _APART
@@ -150,6 +159,23 @@ def with_edges_on_skin(design: FlapDesign, skin: SkinSheet) -> FlapDesign:
 
     seams = tuple(replace(seam, edges=(laid(seam.edges[0]), laid(seam.edges[1]))) for seam in design.seams)
     return replace(design, seams=seams)
+
+
+def _over_rim(
+    points: NDArray[np.float64], on_skin: NDArray[np.float64], blade: Point, skin: SkinSheet
+) -> NDArray[np.float64] | None:
+    """The way of a straight line over the rim beside which it is drawn, shape (k, 3); None for another line."""
+    whole = points[-1] - points[0]
+    normal = np.cross(whole, blade)
+    bent = np.linalg.norm(np.cross(points - points[0], whole), axis=1).max() > _APART * np.linalg.norm(whole)
+    if bent or not np.linalg.norm(normal) > 0.0 or np.linalg.norm(on_skin - points, axis=1).max() <= _APART:
+        return None
+    (face,), (begin,), _ = skin.surface.query(points[:1])
+    line = blade_section(skin.points, skin.triangles, int(face), begin, normal, whole)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    long = min(float(np.linalg.norm(whole)), float(along[-1]))
+    steps = np.linspace(0.0, long, len(points))
+    return np.stack([np.interp(steps, along, line[:, k]) for k in range(3)], axis=1) if long > 0.0 else None
 
 
 def require_on_skin(name: str, at: ArrayLike, on_skin: NDArray[np.float64]) -> None:

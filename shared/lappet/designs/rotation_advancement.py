@@ -44,7 +44,9 @@ def rotation_advancement(
     ala: float = 10.0,
     drop: float = 2.5,
     red: float = 7.0,
-    red_share: float = 1.0,
+    narrowing: float = 1.0,
+    blade_turn: float = 0.0,
+    blade_lift: float = 0.0,
     undermined: float = 0.4,
     *,
     normal: ArrayLike = (0.0, 0.0, 1.0),
@@ -72,9 +74,15 @@ def rotation_advancement(
     drop
         How far the hook turns the peak of Cupid's bow down in mm.
     red
-        How far below the middle of P and Q both cuts through the red meet, in mm.
-    red_share
-        Share of that way that is cut and sewn; on a notched lip the rest of it is in the air.
+        How far below P and Q the cuts through the red end, in mm.
+    narrowing
+        How far the two cuts through the red come together on their way, as a share of the gap: 1 where they meet in a
+        point, 0 where they are parallel and the notch of the lip lies between them.
+    blade_turn
+        By how much the blade is turned about the middle of the cleft from the square to the plane through the margins,
+        towards the lateral margin as it goes in, in degrees.
+    blade_lift
+        By how much the blade is turned up as it goes in, in degrees: away from the other lip.
     undermined
         How far around the cuts the skin is undermined, as a share of what is usual.
     normal
@@ -108,8 +116,8 @@ def rotation_advancement(
     side = {name: segment(np.zeros(2), end, _STEP) for name, end in ends.items()}
     medial_side, lateral_side = plane.points(side["p"]), plane.points(side["q"])
     front = _Front.through(medial_side[0], medial_side[-1], lateral_side[-1], mirrored)
-    reds = tuple(front.red(margin[-1], red, red_share) for margin in (lateral_side, medial_side))
-    far = reds[0][:0:-1] if red_share < 1.0 else reds[0][-2:0:-1]
+    reds = tuple(front.red(margin[-1], red, narrowing) for margin in (lateral_side, medial_side))
+    far = reds[0][:0:-1] if narrowing < 1.0 else reds[0][-2:0:-1]
     outline = (*medial_side[:-1], *reds[1], *far, *lateral_side[:0:-1])
     left = -1 if mirrored else 1
     from_e = side["e"][::-1]
@@ -132,7 +140,7 @@ def rotation_advancement(
         ),
         (plane.point(a), plane.point(b)),
         undermined=undermined,
-        blade=front.into,
+        blade=front.blade(-blade_turn if mirrored else blade_turn, blade_lift),
     )
 
 
@@ -149,12 +157,19 @@ class _Front:
         x, y, z = (out if mirrored else -out) / np.linalg.norm(out)
         return cls((float(x), float(y), float(z)), (middle - corner) / np.linalg.norm(middle - corner), middle)
 
-    def red(self, start: Point, long: float, share: float = 1.0) -> tuple[Point, ...]:
-        """The way through the red from the end of a margin to where both meet, or a share of it."""
-        whole = self._middle + long * self._down - start
-        count = max(2, round(share * float(np.linalg.norm(whole)) / _STEP))
-        line = start + np.linspace(0.0, share, count + 1)[:, None] * whole
+    def red(self, start: Point, long: float, narrowing: float) -> tuple[Point, ...]:
+        """The way through the red from the end of a margin down, and towards the middle by a share of the way there."""
+        whole = long * self._down + narrowing * (self._middle - start)
+        count = max(2, round(float(np.linalg.norm(whole)) / _STEP))
+        line = start + np.linspace(0.0, 1.0, count + 1)[:, None] * whole
         return tuple((float(x), float(y), float(z)) for x, y, z in line)
+
+    def blade(self, turn: float, lift: float) -> Point:
+        """The direction of a blade that is turned about the way down, and up, by so many degrees."""
+        into, (aside, up) = np.array(self.into), np.radians((turn, lift))
+        level = np.cos(aside) * into + np.sin(aside) * np.cross(self._down, into)
+        x, y, z = np.cos(up) * level - np.sin(up) * self._down
+        return float(x), float(y), float(z)
 
 
 def _at(angle: float) -> NDArray[np.float64]:
@@ -180,14 +195,16 @@ MILLARD = LibraryDesign(
         Parameter("drop", "how far the peak of Cupid's bow is turned down", "mm", 2.5, 0.5, 6.0, _DRAWN),
         Parameter("red", "height of what is pared of the red", "mm", 7.0, 2.0, 14.0, _DRAWN),
         Parameter(
-            "red_share",
-            "share of that height on which there is red",
+            "narrowing",
+            "how far the cuts through the red come together",
             "",
             1.0,
-            0.2,
+            -0.5,
             1.0,
-            "less where the lip is notched",
+            "1: in a point; 0: not at all, where the lip is notched",
         ),
+        Parameter("blade_turn", "turn of the blade to the lateral margin", "°", 0.0, -40.0, 40.0, _DRAWN),
+        Parameter("blade_lift", "turn of the blade away from the other lip", "°", 0.0, -40.0, 40.0, _DRAWN),
         Parameter("undermined", "undermining, of the usual", "", 0.4, 0.0, 1.0, "0 for a lip free on its mucosa"),
     ),
     rotation_advancement,

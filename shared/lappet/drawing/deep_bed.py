@@ -20,7 +20,7 @@ class DeepBed:
     """The bed of a procedure; it gives way where the skin sinks, so that it never shows through closed skin.
 
     `rest` are its vertices in mm, shape (b, 3), `triangles` their indices, shape (t, 3), int32, outward; both are empty
-    where there is no underside. `source` may be changed for one of equal epochs.
+    where there is no underside, or nothing below it. `source` may be changed for one of equal epochs.
 
     Parameters
     ----------
@@ -32,7 +32,10 @@ class DeepBed:
         self.source = source
         epoch = source.epochs[0]
         points = source.rest(epoch)
-        faces = epoch.triangles[epoch.origin == UNDERSIDE]
+        below = epoch.origin == UNDERSIDE
+        if epoch.lining is not None:
+            below = below & ~epoch.lining
+        faces = epoch.triangles[below]
         faces = faces[self._near_wounds(points[faces].mean(axis=1))] if len(faces) else faces
         # At the tissue's cut rim it would look out from under it.
         inner = ~np.isin(faces, epoch.triangles[epoch.origin == RIM]).any(axis=1)

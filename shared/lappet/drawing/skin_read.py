@@ -17,6 +17,7 @@ from lappet.drawing.second_stage import second_stage_from
 from lappet.drawing.skin_source import ORIGINS, FigureError, SkinEpoch, SkinSource, StepEvent, Strands, VesselLine
 from lappet.drawing.suture_bites import bites_at, carried
 from lappet.geometry.curve import sample_curve
+from lappet.geometry.labeled_surface import LINING
 from lappet.geometry.skin_shape import depth_below_skin
 from lappet.procedure.prim_paths import SKIN_LINES
 from lappet.usd.stage import pxr
@@ -361,10 +362,14 @@ class SkinCache(SkinSource):
         if not len(counts) or (counts != 3).any() or len(corners) != 3 * len(counts):
             raise FigureError(f"{prim.GetPath()} is not a mesh of triangles; write the cache again with lappet solve.")
         origin = np.zeros(len(counts), np.uint8)
+        lining = np.zeros(len(counts), bool)
         for subset in usd_geom.Subset.GetAllGeomSubsets(mesh):
+            faces = np.asarray(subset.GetIndicesAttr().Get() or [], np.int64)
+            faces = faces[faces < len(origin)]
             if (label := subset.GetPrim().GetName()) in ORIGINS:
-                faces = np.asarray(subset.GetIndicesAttr().Get() or [], np.int64)
-                origin[faces[faces < len(origin)]] = ORIGINS.index(label)
+                origin[faces] = ORIGINS.index(label)
+            elif label == LINING:
+                lining[faces] = True
         primvar = usd_geom.PrimvarsAPI(mesh).GetPrimvar("st")
         times = mesh.GetPointsAttr().GetTimeSamples()
         st = primvar.ComputeFlattened(times[0] if times else 0.0) if primvar else None
@@ -373,7 +378,7 @@ class SkinCache(SkinSource):
             uv = np.asarray(st, np.float32).reshape(-1, 3, 2)
         visibility = mesh.GetVisibilityAttr()
         frames = tuple(float(t) for t in times if visibility.Get(t) != usd_geom.Tokens.invisible)
-        return SkinEpoch(prim.GetName(), corners.reshape(-1, 3), origin, uv, frames, prim)
+        return SkinEpoch(prim.GetName(), corners.reshape(-1, 3), origin, uv, frames, prim, lining)
 
     def _read_events(self) -> tuple[StepEvent, ...]:
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")

@@ -61,6 +61,8 @@ class SkinEpoch:
         The time codes at which this epoch is shown.
     prim
         The prim of a cache.
+    lining
+        Which triangles are underside with nothing below it, as of a lip, shape (m,), bool; None for none.
     """
 
     name: str
@@ -69,6 +71,7 @@ class SkinEpoch:
     st: NDArray[np.float32] | None
     frames: tuple[float, ...]
     prim: Any = None
+    lining: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,9 @@ class FaceOrigin(IntEnum):
     RIM = 3
 
 
+LINING = "lining"  # among the grips: the underside that lies on free inner skin and not on deep tissue
+
+
 @dataclass(frozen=True, eq=False)
 class Surface:
     """A closed, manifold triangle surface at rest, with labels.

@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from lappet.geometry.labeled_surface import LINING
 from lappet.models.body_scenery import body_scenery
 from lappet.models.body_shape import BodyShape
 from lappet.models.body_surface import body_surface
 from lappet.models.cleft import in_lip
+from lappet.models.deep_layer import deep_layer, with_deep_layer
 from lappet.models.landmarks import cleft_landmarks, landmarks_on
 from lappet.models.model import Model
 from lappet.models.model_choice import SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
@@ -44,19 +46,23 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     Raises
     ------
     RefusedError
-        If a parameter is out of its range, the package is not there, or the thickness has no room; names the value.
+        If a parameter is out of its range, the package is not there, the thickness has no room, or the model has no
+        deeper layer; names the value.
     """
     thickness = checked("skin", choice.skin if choice.skin is not None else model.skin.mm, *SKIN_RANGE)
     laxity = checked("laxity", choice.laxity, 0.0, 1.0)
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
+    layer = deep_layer(model.name) if choice.deep else None
+    whole = thickness + model.fat.mm + (layer.added if layer is not None else 0.0)
     shape = choice.shape or usual_shape(model)
     around = body_surface(shape, model.surround, model.subdivision, model.cleft)
     skin = around.inside(model.region)
-    tissue = model_sheet(skin, around, thickness + model.fat.mm, spacing, model.name)
+    tissue = model_sheet(skin, around, whole, spacing, model.name)
     if model.cleft is not None:
         bed = tissue.subsets["bed"]
         below = tissue.points[tissue.face_vertex_indices.reshape(-1, 3)[bed]].mean(axis=1)
-        free = {**tissue.subsets, "bed": bed[~in_lip(skin.on_neutral(below))]}
+        loose = in_lip(skin.on_neutral(below))
+        free = {**tissue.subsets, "bed": bed[~loose], LINING: bed[loose]}
         moved = skin.cleft(model.cleft, tissue.points)
         tissue = replace(tissue, points=moved.astype(np.float32).astype(np.float64), subsets=free)
         skin = replace(skin, points=tissue.points[: len(skin.points)])  # the skin's vertices are the tissue's first
@@ -74,6 +80,8 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
         scenery=body_scenery(shape, model) if choice.scenery else (),
     )
     procedure = skin_over_fat(procedure, thickness, _skin_material(model, laxity), FAT.material)
+    if layer is not None:
+        procedure = with_deep_layer(procedure, layer, whole - layer.depth.mm)
     return with_excision(procedure, model.trial, skin.carried([model.trial.at])[0][0]) if choice.excision else procedure
 
 

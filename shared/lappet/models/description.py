@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lappet.models.deep_layer import DEEP_LAYERS
 from lappet.models.model import Depth, Model
 from lappet.models.muscle_plans import MUSCLES
 from lappet.models.muscle_plans import SOURCE as MUSCLE_SOURCE
@@ -53,6 +54,7 @@ def described(model: Model | PlainModel | WholeBodyModel) -> list[str]:
         f"{model.name}: {model.title}",
         f"skin: {_depth(model.skin)}",
         f"below it: {_depth(model.fat)}",
+        *_deep(model),
         f"material: {model.preset}, tension {along:g} and {across:g} kPa where the laxity is 0",
         f"bed: {model.bed}, {bed.normal:.3g} kPa/mm along its normal and {bed.shear:.3g} in its plane",
         f"skin lines: {', '.join(model.lines)}; {SOURCES['Borges 1962']}",
@@ -61,6 +63,14 @@ def described(model: Model | PlainModel | WholeBodyModel) -> list[str]:
         *(f"{name}: {SOURCES[name]}" for name in sources_of(model)),
         f"license: {LICENSE}",
     ]
+
+
+def _deep(model: Model) -> list[str]:
+    layer = DEEP_LAYERS.get(model.name)
+    if layer is None:
+        return []
+    where = "the deepest of that" if layer.within else "below that"
+    return [f"with --deep, {where}: {layer.title}, {layer.material.name}, {_depth(layer.depth)}"]
 
 
 def _vessels(model: Model) -> list[str]:
@@ -81,10 +91,12 @@ def sources_of(model: Model) -> list[str]:
     list[str]
         Keys of `SOURCES`: those that a number follows from, and those that its choice names.
     """
+    layer = DEEP_LAYERS.get(model.name)
+    depths = (model.skin, model.fat, *((layer.depth,) if layer is not None else ()))
     return [
         name
         for name in SOURCES
-        if any(name in (depth.source, *([name] if name in depth.how else [])) for depth in (model.skin, model.fat))
+        if any(name in (depth.source, *([name] if name in depth.how else [])) for depth in depths)
     ]
 
 

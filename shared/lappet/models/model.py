@@ -40,11 +40,14 @@ class Trial:
         Direction of its long axis.
     length
         Length in mm; it is a third as wide.
+    beyond
+        How far beyond the wound the skin is undermined, as a share of its length: less beside a rim.
     """
 
     at: Point
     along: Point
     length: float
+    beyond: float = 0.35
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,8 @@ class ModelChoice:
         Whether the body around the tissue is shown.
     excision
         Whether the model comes with a fusiform excision, undermined and closed.
+    deep
+        Whether it has the layer below its fat as well: SMAS, fascia, muscle or cartilage.
     """
 
     shape: BodyShape | None = None
@@ -40,6 +42,7 @@ class ModelChoice:
     spacing: float | None = None
     scenery: bool = True
     excision: bool = False
+    deep: bool = False
 
 
 def checked(name: str, value: float, low: float, high: float) -> float:

@@ -40,7 +40,7 @@ def model_sheet(skin: BodySurface, around: BodySurface, thickness: float, spacin
     Returns
     -------
     Tissue
-        The tissue, made of one material, without weight.
+        The tissue, made of one material.
 
     Raises
     ------

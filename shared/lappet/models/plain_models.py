@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.models.deep_layer import deep_layer
 from lappet.models.model import Trial
 from lappet.models.model_choice import SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
 from lappet.models.trial_excision import with_excision
@@ -93,10 +94,12 @@ def plain_model(model: PlainModel, choice: ModelChoice) -> Procedure:
     Raises
     ------
     RefusedError
-        If a parameter is out of its range, or the shape of a body is given.
+        If a parameter is out of its range, or the shape of a body or a deeper layer is asked for.
     """
     if choice.shape is not None:
         raise refused(ProblemCode.MODEL_NO_BODY, model.name, "the shape of a body")
+    if choice.deep:
+        deep_layer(model.name)
     skin = checked("skin", choice.skin if choice.skin is not None else model.skin, *SKIN_RANGE)
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
     thickness = skin + _FAT

@@ -48,6 +48,10 @@ class RegionalFlap:
         Shape targets of the body and their amounts, where it has not the usual shape.
     scar
         Length and width in mm of a contracted scar along the direction, or None.
+    spacing
+        Edge of the lattice's cells in mm; None for the model's.
+    weightless
+        Whether it is solved without gravity, as what is cut free of a lip lies on nothing that holds it.
     """
 
     name: str
@@ -61,6 +65,8 @@ class RegionalFlap:
     mirrored: bool = False
     targets: tuple[tuple[str, float], ...] = ()
     scar: tuple[float, float] | None = None
+    spacing: float | None = None
+    weightless: bool = False
 
 
 # An upper lid that hangs over its crease, on both eyes.
@@ -252,6 +258,29 @@ REGIONAL_FLAPS = {
             remark="Perforators are not in the model.",
         ),
         RegionalFlap(
+            "cleft_lip_millard",
+            "an incomplete cleft of the upper lip",
+            "cleft-lip",
+            "millard",
+            (-8.5, 148.5, 689.5),
+            (-0.217, 0.866, -0.451),
+            {
+                "medial": 10.9,
+                "lateral": 14.0,
+                "gap": 17.6,
+                "ala": 11.0,
+                "red": 8.0,
+                "narrowing": -0.1,
+                "blade_turn": 20.0,
+                "blade_lift": 22.0,
+                "undermined": 0.0,
+            },
+            "The lip is skin over fat that lies on its mucosa: it has no muscle to be put together, and its red is not "
+            "drawn. Nothing is done to the nose.",
+            spacing=1.2,
+            weightless=True,
+        ),
+        RegionalFlap(
             "lip_karapandzic",
             "the lower lip",
             "lips",
@@ -308,8 +337,11 @@ def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = Tr
     flap = REGIONAL_FLAPS[name]
     shape = BodyShape(targets=flap.targets) if flap.targets else None
     start = new_model(flap.model, ModelChoice(shape=shape, scenery=scenery))
-    if spacing is not None:
-        start = replace(start, tissue=replace(start.tissue, spacing=spacing))
+    chosen = spacing if spacing is not None else flap.spacing
+    if chosen is not None:
+        start = replace(start, tissue=replace(start.tissue, spacing=chosen))
+    if flap.weightless:
+        start = replace(start, tissue=replace(start.tissue, gravity=0.0))
     lines: FlapLines = ""
     direction: ArrayLike = flap.direction
     if isinstance(flap.direction, str):

@@ -29,6 +29,18 @@ SOURCES: dict[str, str] = {
         "description"
     ),
     "Borges 1984": "Borges 1984, Plast Reconstr Surg 73:144: relaxed skin tension lines beside other skin lines",
+    "Dhong 2002": (
+        "Dhong et al. 2002, Ann Plast Surg 48:386: 52 alar cartilages of 26 Koreans; the lateral crura 0.55 mm thick "
+        "in men and 0.54 in women (the abstract was read)"
+    ),
+    "Abe 2019": (
+        "Abe et al. 2019, Cosmetics 6:65, doi 10.3390/cosmetics6040065: ultrasound of six muscles of the face of 98 "
+        "people, each measured twice (the abstract was read)"
+    ),
+    "Har-Shai 1996": (
+        "Mechanical properties and microstructure of the superficial musculoaponeurotic system, 1996, PubMed 8657788: "
+        "48 specimens of SMAS beside skin from before the ear; the two behaved somewhat alike (the abstract was read)"
+    ),
     "Gelezhe 2021": (
         "Gelezhe et al. 2021, Aesthet Surg J 41:697, doi 10.1093/asj/sjaa152: contrast-enhanced computed tomography of "
         "300 nasolabial folds; depth of the artery 21.6 mm at the corner of the mouth, 8.9 mm at the ala (the abstract "

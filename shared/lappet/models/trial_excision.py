@@ -14,7 +14,6 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 INCISE, EXCISE, UNDERMINE, CLOSE, END = 2, 3, 4, 5, 12  # time codes
 _WIDTH = 1.0 / 3.0  # of the length
-_BEYOND = 0.35  # of the length: so far beyond the wound the skin is undermined
 _APART = 1.3  # spacings between sutures, at least
 _BITE = 0.15  # mm from the edge to a suture
 
@@ -53,7 +52,7 @@ def with_excision(procedure: Procedure, trial: Trial, at: ArrayLike) -> Procedur
         sutures=count,
         project=sheet.place,
     )
-    beyond = 2.0 * _BEYOND * trial.length
+    beyond = 2.0 * trial.beyond * trial.length
     around = fusiform(
         middle[0],
         trial.length + beyond,

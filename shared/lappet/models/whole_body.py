@@ -19,6 +19,7 @@ from lappet.geometry.solid import closed_solid
 from lappet.models.body_mesh import BODY, body_mesh
 from lappet.models.body_shape import NEUTRAL, shaped
 from lappet.models.body_skin import BodySkin, apart
+from lappet.models.deep_layer import deep_layer
 from lappet.models.joints import joints
 from lappet.models.model_choice import SPACING_RANGE, ModelChoice, checked
 from lappet.models.muscle_plans import MUSCLES, End, StrandPlan
@@ -90,10 +91,12 @@ def whole_body_model(model: WholeBodyModel, choice: ModelChoice) -> Procedure:
     Raises
     ------
     RefusedError
-        If a parameter is out of its range, an excision is asked for, or the package is not there.
+        If a parameter is out of its range, an excision or a deeper layer is asked for, or the package is not there.
     """
     if choice.excision:
         raise refused(ProblemCode.MODEL_NO_BODY, model.name, "an excision")
+    if choice.deep:
+        deep_layer(model.name)
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
     points = shaped(choice.shape or NEUTRAL)
     places = joints(points)

@@ -12,7 +12,7 @@ from lappet.anatomy.tissue_layers import LayerSearch
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.drawing.surface_look import face_looks
-from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import LINING, FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.geometry.unique_rows import unique_rows
 from lappet.geometry.vectors import bounds
@@ -77,6 +77,9 @@ def _define(stage: Any, epoch: Epoch, layers: LayerSearch, free_rim: bool) -> An
     for origin, name in SUBSETS.items():
         faces = usd.Vt.IntArray.FromNumpy(np.flatnonzero(surface.origin == origin).astype(np.int32))
         usd.UsdGeom.Subset.CreateGeomSubset(mesh, name, tokens.face, faces, "lappet", tokens.partition)
+    if LINING in surface.grips:
+        lined = usd.Vt.IntArray.FromNumpy(np.flatnonzero(surface.grips[LINING]).astype(np.int32))
+        usd.UsdGeom.Subset.CreateGeomSubset(mesh, LINING, tokens.face, lined, "lappetLining", tokens.nonOverlapping)
     primvars = usd.UsdGeom.PrimvarsAPI(mesh)
     st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
     st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))

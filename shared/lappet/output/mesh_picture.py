@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.labeled_surface import LINING
 from lappet.geometry.normals import vertex_normals
 from lappet.geometry.triangles import areas, directions
 from lappet.output.raster import Raster, rasterize
@@ -79,13 +80,13 @@ def mesh_picture(mesh: Mesh, tissue: Tissue) -> NDArray[np.uint8]:
 def _taken(tissue: Tissue) -> _Skin:
     """The tissue's skin, colored by its thickness where it is a sheet."""
     triangles = tissue.face_vertex_indices.reshape(-1, 3).astype(np.int64)
-    below = [faces for name, faces in tissue.subsets.items() if name in ("fixed", "bed", "lining")]
+    below = [faces for name, faces in tissue.subsets.items() if name in ("fixed", "bed", LINING)]
     skin = np.ones(len(triangles), bool)
     skin[np.concatenate([np.zeros(0, np.int32), *below])] = False
     top = triangles[skin]
     color = np.tile(_TAKEN, (len(tissue.points), 1))
     count = int(top.max()) + 1
-    sheet = len(top) + sum(len(tissue.subsets.get(name, ())) for name in ("bed", "lining")) == 2 * len(top)
+    sheet = len(top) + sum(len(tissue.subsets.get(name, ())) for name in ("bed", LINING)) == 2 * len(top)
     if sheet and len(tissue.points) >= 2 * count:  # the underside's vertices follow the skin's in the same order
         thickness = np.linalg.norm(tissue.points[:count] - tissue.points[count : 2 * count], axis=1)
         share = thickness / max(float(thickness.max()), 1e-300)

@@ -12,6 +12,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.flatten import flatten
+from lappet.geometry.labeled_surface import LINING
 from lappet.geometry.mesh_faults import EDGES, refuse_faults
 from lappet.geometry.normals import vertex_normals
 from lappet.geometry.surface_check import directed_edges, place, signed_volume, unique_edges
@@ -87,7 +88,7 @@ def open_mesh_tissue(
         spacing = chosen_spacing(volume, thick)
     subsets = {"fixed": sheet.rim, "bed": sheet.underside & ~sheet.lining}
     if sheet.lining.any():
-        subsets["lining"] = sheet.lining
+        subsets[LINING] = sheet.lining
     tissue = Tissue(
         points=sheet.points.astype(np.float32).astype(np.float64),
         face_vertex_counts=np.full(len(sheet.triangles), 3, np.int32),

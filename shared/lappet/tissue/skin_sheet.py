@@ -25,10 +25,16 @@ class SkinSheet:
         Their triangles.
     normals
         Unit normals of those triangles, outwards, shape (m, 3).
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Their indices, shape (m, 3).
     """
 
     surface: ClosestPoint
     normals: NDArray[np.float64]
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
 
     @classmethod
     def of(cls, tissue: Tissue) -> SkinSheet:
@@ -50,7 +56,8 @@ class SkinSheet:
         triangles = triangles[outer[faces]]
         a, b, c = (tissue.points[triangles[:, k]] for k in range(3))
         normals = np.cross(b - a, c - a)
-        return cls(ClosestPoint(tissue.points, triangles), normals / np.linalg.norm(normals, axis=1, keepdims=True))
+        unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        return cls(ClosestPoint(tissue.points, triangles), unit, tissue.points, triangles)
 
     def at(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Find the closest points of the skin.

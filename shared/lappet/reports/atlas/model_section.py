@@ -99,6 +99,9 @@ def _made(flap: RegionalFlap) -> list[str]:
     if flap.scar is not None:
         return ["```", f"python examples/faces/build.py {flap.name} {operation}", "```", ""]
     model = [f"lappet models new {flap.model} -o {file}", *(f"--target {name}={by:g}" for name, by in flap.targets)]
+    if flap.spacing is not None:
+        model.append(f"--spacing {flap.spacing:g}")
+    model += ["--gravity 0"] * flap.weightless
     at = " ".join(f"{each:g}" for each in flap.at)
     if isinstance(flap.direction, str):
         way = f"--lines {flap.direction}"

@@ -1,0 +1,154 @@
+"""The layer below the fat of a model that is asked for: SMAS, fascia, muscle or cartilage.
+
+The fibers of muscles run across the skin lines (Borges 1984), and so do they here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.models.model import Depth
+from lappet.models.sources import CHOSEN
+from lappet.procedure import Material, Procedure, Region
+from lappet.tissue.presets import CARTILAGE, GALEA, MUSCLE, PRESETS
+from lappet.tissue.surface import skin_faces
+
+FACES = "deep_layer"
+
+
+@dataclass(frozen=True)
+class DeepLayer:
+    """A layer below skin and fat.
+
+    Parameters
+    ----------
+    title
+        What it is, in a few words.
+    material
+        Its material.
+    depth
+        Its thickness.
+    within
+        Whether it is the deepest part of what the model has below its skin anyway; else the tissue is thicker by it.
+    subunits
+        Subunits of the face below which it is; none for all of the model.
+    """
+
+    title: str
+    material: Material
+    depth: Depth
+    within: bool = False
+    subunits: tuple[str, ...] = ()
+
+    @property
+    def added(self) -> float:
+        """By how much the tissue is thicker with it, in mm."""
+        return 0.0 if self.within else self.depth.mm
+
+
+_SMAS = replace(PRESETS["face"].unstretched, name="smas")
+_FASCIA = replace(GALEA.material, name="superficial_temporal_fascia")
+
+
+def _muscle(name: str) -> Material:
+    return replace(MUSCLE.material, name=name, fiber_angle=90.0)
+
+
+_THIN = Depth(
+    1.0, CHOSEN, "no measurement was found; its law is the skin's, as Har-Shai 1996 found both somewhat alike"
+)
+_CLEFT = DeepLayer(
+    "the orbicularis of the mouth",
+    _muscle("orbicularis_oris"),
+    Depth(1.0, CHOSEN, "no measurement was found; a lip with a cleft has no room for more"),
+    within=True,
+)
+DEEP_LAYERS = {
+    "face": DeepLayer("the SMAS", _SMAS, _THIN),
+    "cheek": DeepLayer("the SMAS", _SMAS, _THIN),
+    "temple": DeepLayer(
+        "the superficial temporal fascia",
+        _FASCIA,
+        Depth(1.0, CHOSEN, "no measurement was found; its law is the galea's, which goes over into it"),
+    ),
+    "nose": DeepLayer(
+        "the cartilages of the tip and of the sidewalls",
+        CARTILAGE.material,
+        Depth(0.55, "Dhong 2002", "of the lateral crura; the upper cartilages are taken to be as thick"),
+        subunits=("nasal_tip", "columella", "nasal_sidewall_left", "nasal_sidewall_right"),
+    ),
+    "lips": DeepLayer(
+        "the orbicularis of the mouth",
+        _muscle("orbicularis_oris"),
+        Depth(2.0, CHOSEN, "no measurement was found that could be read"),
+    ),
+    "cleft-lip": _CLEFT,
+    "cleft-lip-complete": _CLEFT,
+    "eyelids": DeepLayer(
+        "the orbicularis of the eye",
+        _muscle("orbicularis_oculi"),
+        Depth(1.0, "Abe 2019", "least difference that ultrasound tells, 0.25 mm, which is 25 % of its thickness"),
+        within=True,
+    ),
+    "forehead": DeepLayer(
+        "the frontalis", _muscle("frontalis"), Depth(1.5, CHOSEN, "no measurement was found that could be read")
+    ),
+    "neck": DeepLayer(
+        "the platysma", _muscle("platysma"), Depth(1.0, CHOSEN, "no measurement was found that could be read")
+    ),
+    "scalp": DeepLayer("the galea", GALEA.material, Depth(0.5, CHOSEN, "no measurement was found"), within=True),
+}
+
+
+def deep_layer(model: str) -> DeepLayer:
+    """Look up the layer of a model.
+
+    Parameters
+    ----------
+    model
+        Name of the model.
+
+    Returns
+    -------
+    DeepLayer
+        The layer.
+
+    Raises
+    ------
+    RefusedError
+        If the model has none.
+    """
+    if model not in DEEP_LAYERS:
+        raise refused(ProblemCode.MODEL_NO_DEEP_LAYER, model, model, known=", ".join(DEEP_LAYERS))
+    return DEEP_LAYERS[model]
+
+
+def with_deep_layer(procedure: Procedure, layer: DeepLayer, below_skin: float) -> Procedure:
+    """Lay a layer below the fat of a procedure.
+
+    Parameters
+    ----------
+    procedure
+        A procedure of skin over fat, its tissue thick enough.
+    layer
+        The layer.
+    below_skin
+        Depth of its upper side in mm.
+
+    Returns
+    -------
+    Procedure
+        The procedure with its region, after all others.
+    """
+    tissue = procedure.tissue
+    faces = np.flatnonzero(skin_faces(tissue)).astype(np.int32)
+    if layer.subunits:
+        own = [tissue.subsets[f"subunit_{name}"] for name in layer.subunits if f"subunit_{name}" in tissue.subsets]
+        faces = np.unique(np.concatenate(own)).astype(np.int32)
+    region = Region(FACES, layer.material.name, depth_from=below_skin)
+    deeper = replace(tissue, subsets={**tissue.subsets, FACES: faces}, regions=(*tissue.regions, region))
+    return replace(procedure, tissue=deeper, materials=(*procedure.materials, layer.material))
