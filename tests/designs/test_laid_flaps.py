@@ -87,8 +87,8 @@ def test_a_flap_that_was_laid_along_skin_lines_follows_them_where_it_is_moved_to
     assert (turned.lines, turned.direction) == ("", (1.0, 0.0, 0.0))
 
 
-# Measures that move no corner of the plan: where a lip has no free border, and a thickness.
-WITHOUT_HANDLE = {"millard": {"drop", "undermined"}, "paramedian-forehead": {"thinned"}}
+# Measures that move no corner of the plan: where a lip has no free border, a blade's direction, and a thickness.
+WITHOUT_HANDLE = {"millard": {"drop", "blade_turn", "blade_lift", "undermined"}, "paramedian-forehead": {"thinned"}}
 
 
 @pytest.mark.parametrize("name", DESIGNS)

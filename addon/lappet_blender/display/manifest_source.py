@@ -55,7 +55,7 @@ class ManifestSource:
                 s.origin,
                 s.grid,
                 tuple(times.get(k, ())),
-                lining=s.lining if len(s.lining) else None,
+                lining=s.lining.astype(bool) if len(s.lining) else None,
             )
             for k, s in enumerate(manifest.epochs)
         )

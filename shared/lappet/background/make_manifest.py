@@ -117,5 +117,5 @@ def _shape(
         "column": found.column,
     }
     if LINING in surface.grips:
-        arrays["lining"] = surface.grips[LINING]
+        arrays["lining"] = surface.grips[LINING].astype(np.uint8)
     return EpochShape(digest("epoch shape", arrays).hex(), float(start), **arrays)

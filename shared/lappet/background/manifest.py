@@ -39,7 +39,7 @@ class EpochShape:
     column
         Column of layers that each triangle lies in (`Manifest.layers`), shape (m,), int32; without entries the first.
     lining
-        Which triangles are underside with nothing below it, shape (m,), bool; without entries none.
+        1 for triangles that are underside with nothing below it, else 0, shape (m,), uint8; without entries none.
     """
 
     key: str
@@ -51,7 +51,7 @@ class EpochShape:
     depth: NDArray[np.float32]
     face: NDArray[np.int32]
     column: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
-    lining: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
+    lining: NDArray[np.uint8] = field(default_factory=lambda: no_entries((0,), np.uint8))
 
 
 @dataclass(frozen=True)

@@ -156,6 +156,7 @@ def _keep(cache: SkinCache, epoch: SkinEpoch, frames: Sequence[float], target: S
         epoch,
         triangles=index.reshape(-1, 3).astype(np.int32),
         origin=corner.origin[faces[:, 0]],
+        lining=corner.lining[faces[:, 0]],
         st=None if corner.st is None else corner.st[faces],
     )
     return _Kept(epoch, made, vertices, corner.column[faces[:, 0]], error)
@@ -181,16 +182,19 @@ class _Corners:
     vertex: NDArray[np.int64]
     origin: NDArray[np.uint8]
     column: NDArray[np.int32]
+    lining: NDArray[np.bool_]
     st: NDArray[np.float32] | None
 
     @staticmethod
     def of(cache: SkinCache, epoch: SkinEpoch) -> _Corners:
         corners = epoch.triangles.ravel().astype(np.int64)
         origin, column = np.repeat(epoch.origin, 3), np.repeat(cache.column(epoch), 3)
+        lining = np.zeros(len(corners), bool) if epoch.lining is None else np.repeat(epoch.lining, 3)
         st = None if epoch.st is None else np.ascontiguousarray(epoch.st.reshape(-1, 2), np.float32)
         # Texture coordinates of other faces print nothing, and would divide them everywhere.
         printed = np.zeros((len(corners), 2), np.float32) if st is None else np.where(origin[:, None] == SKIN, st, 0.0)
-        keys = np.column_stack([corners, origin, column, (printed + 0.0).view(np.int32)])
+        keys = np.column_stack([corners, origin, column, lining, (printed + 0.0).view(np.int32)])
         _, first, index = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         triangles = index.reshape(-1, 3).astype(np.int32)
-        return _Corners(triangles, corners[first], origin[first], column[first], None if st is None else st[first])
+        kept = None if st is None else st[first]
+        return _Corners(triangles, corners[first], origin[first], column[first], lining[first], kept)
