@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import synthetic_skin_cache as synthetic
-from lappet.drawing.skin_fields import WOUND_WALL
+from lappet.drawing.deep_bed import DeepBed
+from lappet.drawing.skin_fields import UNDERSIDE, WOUND_WALL
 from lappet.drawing.skin_read import SkinCache
 from lappet.drawing.skin_source import FigureError
 from lappet.drawing.suture_bites import buried
@@ -95,3 +96,24 @@ def test_taut_skin_that_parts_as_it_is_cut_is_read_at_the_rest_that_its_cache_ho
     np.testing.assert_array_equal(points, rest)
     np.testing.assert_allclose(ends, anchors, atol=1e-6)
     assert not buried(points, epoch.triangles, cache.depth(epoch), ends)
+
+
+def test_no_bed_is_drawn_below_what_lies_on_nothing(tmp_path: Path) -> None:
+    usd, geom, vt = (pytest.importorskip(f"pxr.{name}") for name in ("Usd", "UsdGeom", "Vt"))
+    path = synthetic.write_cache(tmp_path, step=5.0)
+    whole = SkinCache(path)
+    points, epoch = whole.rest(whole.epochs[0]), whole.epochs[0]
+    middles = points[epoch.triangles].mean(axis=1)
+    free = np.flatnonzero((epoch.origin == UNDERSIDE) & (middles[:, 0] > 0.0)).astype(np.int32)
+    assert len(free)
+    stage = usd.Stage.Open(str(path))
+    mesh = geom.Mesh(stage.GetPrimAtPath("/Procedure/Skin/epoch_00"))
+    geom.Subset.CreateGeomSubset(mesh, "lining", geom.Tokens.face, vt.IntArray.FromNumpy(free))
+    stage.GetRootLayer().Save()
+    kept = SkinCache(path)
+    assert kept.epochs[0].lining is not None
+    np.testing.assert_array_equal(np.flatnonzero(kept.epochs[0].lining), free)
+    before, after = (DeepBed(cache) for cache in (whole, kept))
+    assert 0 < len(after.triangles) < len(before.triangles)
+    assert after.rest[after.triangles].mean(axis=1)[:, 0].max() <= 0.0
+    assert before.rest[before.triangles].mean(axis=1)[:, 0].max() > 0.0

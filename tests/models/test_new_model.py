@@ -89,14 +89,10 @@ def test_scenery_begins_where_the_tissue_ends(name: str) -> None:
     assert away.max() < 0.02  # the scenery is rounded to 0.01 mm
 
 
-def test_the_lining_of_a_lip_with_a_cleft_has_neither_a_bed_nor_scenery_before_it() -> None:
-    procedure = made("cleft-lip")
-    tissue = procedure.tissue
+def test_the_lining_of_a_lip_with_a_cleft_has_no_bed() -> None:
+    tissue = made("cleft-lip").tissue
     assert len(tissue.subsets["lining"]) > 200
     assert not np.intersect1d(tissue.subsets["lining"], tissue.subsets["bed"]).size
-    (around,) = (each for each in procedure.scenery if each.kind == "skin")
-    middles = around.points[around.face_vertex_indices.reshape(-1, 3)].mean(axis=1)
-    assert not ((np.abs(middles[:, 0]) < 15.0) & (middles[:, 2] > 676.0) & (middles[:, 2] < 684.0)).any()
 
 
 @cache

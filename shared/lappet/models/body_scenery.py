@@ -11,7 +11,6 @@ from lappet.geometry.catmull_clark import catmull_clark
 from lappet.models.body_mesh import EYES, TEETH, body_mesh
 from lappet.models.body_shape import NEUTRAL, BodyShape, shaped
 from lappet.models.body_surface import body_surface
-from lappet.models.cleft import in_lip
 from lappet.models.model import Model
 from lappet.procedure import Scenery, SceneryKind
 from lappet.tissue.crop_mesh import Level, crop
@@ -45,10 +44,7 @@ def body_scenery(shape: BodyShape, model: Model) -> tuple[Scenery, ...]:
     if model.cleft is not None:
         around = replace(around, points=around.cleft(model.cleft))
     rest = around.within(model.surround).outside(model.region)
-    triangles = rest.triangles
-    if model.cleft is not None:  # the lining of a lip that is cut and sewn would stay where it was, before the skin
-        triangles = triangles[~in_lip(rest.neutral[triangles].mean(axis=1))]
-    found = [_scenery("skin_around", rest.points, triangles, "skin")]
+    found = [_scenery("skin_around", rest.points, rest.triangles, "skin")]
     mesh, neutral, points = body_mesh(), shaped(NEUTRAL), shaped(shape)
     low, high = (np.array(corner) for corner in model.surround)
     for group, side in zip(EYES, ("left", "right"), strict=True):
