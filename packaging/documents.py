@@ -30,6 +30,7 @@ PAGE = "docs/command_line.md"
 TISSUES = "docs/tissues.md"
 FLAPS, FLAP_FOLDER, ATLAS = "docs/flaps.md", "docs/flaps", ROOT / "docs" / "atlas.json"
 LITERATURE, COMPARED = "docs/literature.md", ROOT / "docs" / "literature.json"
+SURROUNDINGS = ROOT / "docs" / "surroundings.json"
 SKIPPED = {"build", "dist", "node_modules"}
 LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
@@ -109,7 +110,7 @@ def main(arguments: list[str]) -> int:
     flaps = {f"{FLAP_FOLDER}/{name}.md": text for name, text in design_pages(atlas, compared).items()}
     pages = {
         PAGE: command_line_page(cli),
-        models_page.PAGE: models_page.models_page(),
+        models_page.PAGE: models_page.models_page(json.loads(SURROUNDINGS.read_text(encoding="utf-8"))["rows"]),
         problem_page.PAGE: problem_page.problem_page(),
         robustness_page.PAGE: robustness_page.robustness_page(),
         label_page.PAGE: label_page.label_page(),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 from lappet.models.catalogue import BODY_MODELS
 from lappet.models.deep_layer import DEEP_LAYERS
 from lappet.models.description import LICENSE, sources_of
@@ -12,6 +15,8 @@ from lappet.models.plain_models import PLAIN_MODELS
 from lappet.models.sources import CHOSEN, SOURCES
 from lappet.models.vessel_plans import COURSES, FACIAL_ARTERY
 from lappet.models.whole_body import MUSCLE, SOFT_TISSUE, WHOLE_BODY
+from lappet.reports.surroundings.measurement import SurroundingsRow
+from lappet.reports.surroundings.table import surroundings_table
 from lappet.tissue.presets import PRESETS
 
 PAGE = "docs/models.md"
@@ -29,6 +34,7 @@ lappet models new nose -o nose.usda --target nose/nose-hump-incr=0.8
 lappet models targets nose                 # all shape targets with "nose" in their name
 lappet models new cheek -o cheek.usda --excision      # with a first operation: a fusiform excision, closed
 lappet models new scalp -o scalp.usda --deep          # with the galea, a layer of its own
+lappet models new cheek -o cheek.usda --reach 1.3     # tissue that reaches 1.3 times as far, with more cells
 ```
 
 In Blender: *Add > Lappet > Model*. It never downloads anything; fetch the package on the command line first.
@@ -70,8 +76,19 @@ number for each model; the deeper layer, where there is one, is a sheet as thick
 """
 
 
-def models_page() -> str:
-    """Return the text of docs/models.md."""
+def models_page(surroundings: Sequence[Mapping[str, Any]]) -> str:
+    """Return the text of docs/models.md.
+
+    Parameters
+    ----------
+    surroundings
+        The kept rows of `lappet report surroundings --reach`.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
     rows = [
         "## The models",
         "",
@@ -92,7 +109,7 @@ def models_page() -> str:
             f"| `{plain.name}` | {plain.title} | {plain.skin:g} | 2.5 | [`skin`](tissues.md#skin) | default | "
             f"{plain.spacing:g} | {plain.trial.length:g} |"
         )
-    rows += ["", *_deep_layers(), "", *_whole_body(), "", *_vessels(), "", "## Where the thicknesses come from", ""]
+    rows += ["", *_deep_layers(), "", *_beyond_the_rim(surroundings), "", *_whole_body(), "", *_vessels(), "", "## Where the thicknesses come from", ""]
     for model in BODY_MODELS.values():
         rows.append(f"- `{model.name}`: skin {_depth(model.skin)}; below it {_depth(model.fat)}. {_tension(model)}")
     drawn = ["Borges 1962", "Borges 1984", *(course.source for course in COURSES), FACIAL_ARTERY]
@@ -125,6 +142,23 @@ def _deep_layers() -> list[str]:
             f"`{layer.material.name}` | {layer.depth.source}: {layer.depth.how} |"
             for name, layer in DEEP_LAYERS.items()
         ),
+    ]
+
+
+def _beyond_the_rim(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The section about what the models leave out around them."""
+    return [
+        "## What lies beyond the rim",
+        "",
+        "A model is cut out of a body and held at its rim, as if what lies beyond it could not move. `lappet report "
+        "surroundings` solves an operation again with the rim free, as if nothing lay beyond it: holding a rim makes "
+        "tissue stiffer than it is and leaving out what lies beyond makes it softer, so how far the two scars lie "
+        "apart is taken for the most that the cut-out leaves out. To try whether it is, `--reach` solves the model a "
+        "third time with tissue that reaches farther (`lappet models new NAME --reach`), its rim held again. "
+        "Distances are greatest ones between the scars of the last frame, forces those of all sutures that every one "
+        "of the three resolves.",
+        "",
+        surroundings_table([SurroundingsRow(**row) for row in rows]),
     ]
 
 

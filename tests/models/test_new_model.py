@@ -109,6 +109,19 @@ def test_a_layer_below_the_fat_makes_the_tissue_thicker_by_itself() -> None:
     assert layers_of(procedure) == [("cheek", 0.0), ("fat", 1.2), ("smas", 4.0)]
 
 
+def test_tissue_that_reaches_farther_holds_the_same_skin_and_more_around_it() -> None:
+    usual, wider = (new_model("cheek", ModelChoice(reach=reach, scenery=False)) for reach in (1.0, 1.2))
+    sheets = [SkinSheet.of(each.tissue) for each in (usual, wider)]
+    inner, outer = (sheet.points[np.unique(sheet.triangles)] for sheet in sheets)
+    away = sheets[1].place(inner) - inner
+    assert np.linalg.norm(away, axis=1).max() < 1e-3
+    (low, high), (lower, higher) = ((points.min(axis=0), points.max(axis=0)) for points in (inner, outer))
+    assert (lower < low - 2.0).any()
+    assert (higher > high + 2.0).any()
+    assert (lower <= low + 1e-3).all()
+    assert (higher >= high - 1e-3).all()
+
+
 def test_the_galea_is_the_deepest_of_the_scalp() -> None:
     procedure = deep("scalp")
     assert layers_of(procedure) == [("scalp", 0.0), ("fat", 1.6), ("galea", 4.1)]
@@ -176,7 +189,10 @@ def test_laxity_takes_the_tension_of_the_preset_away() -> None:
         ("nose", ModelChoice(skin=0.0), ProblemCode.MODEL_PARAMETER),
         ("nose", ModelChoice(laxity=1.5), ProblemCode.MODEL_PARAMETER),
         ("nose", ModelChoice(spacing=float("nan")), ProblemCode.MODEL_PARAMETER),
+        ("nose", ModelChoice(reach=3.5), ProblemCode.MODEL_PARAMETER),
         ("patch", ModelChoice(shape=BodyShape(age=60.0)), ProblemCode.MODEL_NO_BODY),
+        ("patch", ModelChoice(reach=1.2), ProblemCode.MODEL_NO_BODY),
+        ("body", ModelChoice(reach=1.2), ProblemCode.MODEL_NO_BODY),
     ],
 )
 def test_a_choice_that_makes_no_sense_is_refused(name: str, choice: ModelChoice, code: ProblemCode) -> None:

@@ -10,7 +10,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.models.body_model import usual_shape
 from lappet.models.body_shape import BodyShape
 from lappet.models.model import Model
-from lappet.models.model_choice import ModelChoice
+from lappet.models.model_choice import REACH_RANGE, ModelChoice
 from lappet.models.new_model import MODELS, new_model
 
 from ..interface.operator_base import OperatorBase
@@ -47,11 +47,17 @@ class LAPPET_OT_model_add(OperatorBase, bpy.types.Operator):
     excision: BoolProperty(
         name="Excision", description="With a first operation: a fusiform excision, closed", default=False
     )
-
     deep: BoolProperty(
         name="Deep Layer",
         description="With the layer below the fat, where the model has one: SMAS, fascia, muscle or cartilage",
         default=False,
+    )
+    reach: FloatProperty(
+        name="Reach",
+        description="How many times as far as usual the tissue reaches",
+        default=1.0,
+        min=REACH_RANGE[0],
+        max=REACH_RANGE[1],
     )
 
     def run(self, context: bpy.types.Context) -> str:
@@ -59,7 +65,7 @@ class LAPPET_OT_model_add(OperatorBase, bpy.types.Operator):
         if scene.lappet.tissue.object is not None or len(scene.lappet.events):
             raise refused(ProblemCode.MODEL_SCENE_TAKEN, scene.name, self.model)
         choice = ModelChoice(
-            self._shape(), self.skin or None, self.laxity, None, self.scenery, self.excision, self.deep
+            self._shape(), self.skin or None, self.laxity, None, self.scenery, self.excision, self.deep, self.reach
         )
         procedure = new_model(self.model, choice)
         collection = bpy.data.collections.new(self.model.capitalize())

@@ -63,6 +63,14 @@ def show(context: click.Context, /, name: str) -> None:
 @gravity_options("9.81")
 @click.option("--excision", is_flag=True, help="Add a fusiform excision, undermined and closed.")
 @click.option("--deep", is_flag=True, help="With the layer below the fat: SMAS, fascia, muscle or cartilage.")
+@click.option(
+    "--reach",
+    type=float,
+    default=1.0,
+    show_default=True,
+    metavar="X",
+    help="Tissue that reaches X times as far as usual.",
+)
 @click.option("--scenery/--no-scenery", default=True, help="Show the body around the tissue.  [default: scenery]")
 @click.pass_context
 def new(
@@ -81,6 +89,7 @@ def new(
     gravity: float | None,
     excision: bool,
     deep: bool,
+    reach: float,
     scenery: bool,
 ) -> None:
     """Make a procedure from model NAME."""
@@ -92,7 +101,7 @@ def new(
         from lappet.usd.stage import write_procedure
 
         shape = _shape(name, age, sex, weight, targets)
-        procedure = new_model(name, ModelChoice(shape, skin, laxity, spacing, scenery, excision, deep))
+        procedure = new_model(name, ModelChoice(shape, skin, laxity, spacing, scenery, excision, deep, reach))
         tissue = with_gravity(procedure.tissue, position, gravity)
         write_procedure(replace(procedure, tissue=tissue), output)
         click.echo(f"Written: {output}")

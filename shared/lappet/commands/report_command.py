@@ -216,6 +216,34 @@ def atlas(
         context.exit(1)
 
 
+@report.command("surroundings")
+@click.argument("names", nargs=-1)
+@_output("surroundings")
+@click.option(
+    "--reach",
+    type=click.FloatRange(min=1.0, min_open=True, max=3.0),
+    metavar="X",
+    help="Compare with a cut-out that reaches X times as far, too; of models only.",
+)
+@click.pass_context
+def surroundings(context: click.Context, /, names: tuple[str, ...], folder: Path, reach: float | None) -> None:
+    """Bound what the tissue beyond the rim would change: each of NAMES with its rim held and free.
+
+    NAMES: procedures (.usda), or operations on models of the body, as docs/flaps.md names them; all of these by
+    default. The exit status is 1 if a wider cut-out changes more than the free rim.
+    """
+    with sentences(context):
+        from lappet.reports.surroundings.run import run_surroundings
+        from lappet.reports.surroundings.table import surroundings_table
+
+        rows, files = run_surroundings(names, folder, reach, _say)
+        click.echo(surroundings_table(rows))
+        for path in files:
+            click.echo(path)
+    if any(row.bounded is False for row in rows):
+        context.exit(1)
+
+
 @report.command("literature")
 @click.argument("rows", nargs=-1)
 @_output("literature")

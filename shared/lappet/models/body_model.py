@@ -14,7 +14,7 @@ from lappet.models.cleft import in_lip
 from lappet.models.deep_layer import deep_layer, with_deep_layer
 from lappet.models.landmarks import cleft_landmarks, landmarks_on
 from lappet.models.model import Model
-from lappet.models.model_choice import SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
+from lappet.models.model_choice import REACH_RANGE, SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
 from lappet.models.model_sheet import model_sheet
 from lappet.models.skin_line_plans import lines_on
 from lappet.models.subunits import subunits
@@ -52,6 +52,7 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     thickness = checked("skin", choice.skin if choice.skin is not None else model.skin.mm, *SKIN_RANGE)
     laxity = checked("laxity", choice.laxity, 0.0, 1.0)
     spacing = checked("spacing", choice.spacing if choice.spacing is not None else model.spacing, *SPACING_RANGE)
+    model = replace(model, region=model.region.reaching(checked("reach", choice.reach, *REACH_RANGE)))
     layer = deep_layer(model.name) if choice.deep else None
     whole = thickness + model.fat.mm + (layer.added if layer is not None else 0.0)
     shape = choice.shape or usual_shape(model)

@@ -12,6 +12,7 @@ from lappet.models.body_shape import BodyShape
 
 SKIN_RANGE = (0.3, 5.0)
 SPACING_RANGE = (0.05, 20.0)
+REACH_RANGE = (0.5, 3.0)
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class ModelChoice:
         Whether the model comes with a fusiform excision, undermined and closed.
     deep
         Whether it has the layer below its fat as well: SMAS, fascia, muscle or cartilage.
+    reach
+        How many times as far as usual the tissue reaches in each direction.
     """
 
     shape: BodyShape | None = None
@@ -43,6 +46,7 @@ class ModelChoice:
     scenery: bool = True
     excision: bool = False
     deep: bool = False
+    reach: float = 1.0
 
 
 def checked(name: str, value: float, low: float, high: float) -> float:

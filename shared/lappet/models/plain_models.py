@@ -94,10 +94,12 @@ def plain_model(model: PlainModel, choice: ModelChoice) -> Procedure:
     Raises
     ------
     RefusedError
-        If a parameter is out of its range, or the shape of a body or a deeper layer is asked for.
+        If a parameter is out of its range, or the shape of a body, a reach or a deeper layer is asked for.
     """
     if choice.shape is not None:
         raise refused(ProblemCode.MODEL_NO_BODY, model.name, "the shape of a body")
+    if choice.reach != 1.0:
+        raise refused(ProblemCode.MODEL_NO_BODY, model.name, "a reach")
     if choice.deep:
         deep_layer(model.name)
     skin = checked("skin", choice.skin if choice.skin is not None else model.skin, *SKIN_RANGE)

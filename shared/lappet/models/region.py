@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,22 @@ class Ellipsoid:
     radii: Point
     first: Point = _X
     second: Point = _Y
+
+    def reaching(self, times: float) -> Ellipsoid:
+        """Make one whose half axes are longer.
+
+        Parameters
+        ----------
+        times
+            How many times as long.
+
+        Returns
+        -------
+        Ellipsoid
+            It has the same center and directions.
+        """
+        x, y, z = self.radii
+        return replace(self, radii=(times * x, times * y, times * z))
 
     @property
     def axes(self) -> NDArray[np.float64]:

@@ -310,7 +310,7 @@ def regional_flaps(design: str) -> list[RegionalFlap]:
     return [flap for flap in REGIONAL_FLAPS.values() if flap.design == design]
 
 
-def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = True) -> Procedure:
+def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = True, reach: float = 1.0) -> Procedure:
     """Make the procedure of a design where it belongs on a body.
 
     Parameters
@@ -321,6 +321,8 @@ def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = Tr
         Edge of the lattice's cells in mm; None for the model's.
     scenery
         Whether the body around the tissue is shown.
+    reach
+        How many times as far as usual the model's tissue reaches.
 
     Returns
     -------
@@ -336,7 +338,7 @@ def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = Tr
         raise refused(ProblemCode.DESIGN_UNKNOWN, "", name, known=", ".join(REGIONAL_FLAPS))
     flap = REGIONAL_FLAPS[name]
     shape = BodyShape(targets=flap.targets) if flap.targets else None
-    start = new_model(flap.model, ModelChoice(shape=shape, scenery=scenery))
+    start = new_model(flap.model, ModelChoice(shape=shape, scenery=scenery, reach=reach))
     chosen = spacing if spacing is not None else flap.spacing
     if chosen is not None:
         start = replace(start, tissue=replace(start.tissue, spacing=chosen))

@@ -91,8 +91,11 @@ def whole_body_model(model: WholeBodyModel, choice: ModelChoice) -> Procedure:
     Raises
     ------
     RefusedError
-        If a parameter is out of its range, an excision or a deeper layer is asked for, or the package is not there.
+        If a parameter is out of its range, the package is not there, or a reach, an excision or a deeper layer is
+        asked for.
     """
+    if choice.reach != 1.0:
+        raise refused(ProblemCode.MODEL_NO_BODY, model.name, "a reach")
     if choice.excision:
         raise refused(ProblemCode.MODEL_NO_BODY, model.name, "an excision")
     if choice.deep:
