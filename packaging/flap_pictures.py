@@ -34,9 +34,18 @@ def keep_atlas(folder: Path) -> None:
         sys.exit(f"The rows kept are at {before['spacing_mm']} mm: run the atlas at that spacing, or for all designs.")
     together = json.dumps(merged(before, results), indent=1, ensure_ascii=False)
     (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
-    for row in [*results["rows"], *results.get("model_rows", [])]:
+    free = without_contact(merged(before, results))
+    for row in [*results["rows"], *results.get("model_rows", []), *results.get("contact_rows", [])]:
+        if row in results.get("model_rows", []) and row["name"] not in free:
+            continue
         plate = Image.open(folder / f"{row['name']}.png").convert("RGB")
         plate.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
+
+
+def without_contact(results: Mapping[str, Any]) -> set[str]:
+    """The operations on models whose picture is that of the solve without self-contact: with it they did not end."""
+    ended = {row["name"] for row in results.get("contact_rows", []) if row["frames"] == row["of_frames"]}
+    return {row["name"] for row in results["model_rows"]} - ended
 
 
 def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any], rows: str = "rows") -> list[Any]:
@@ -48,8 +57,10 @@ def kept_rows(before: Mapping[str, Any], results: Mapping[str, Any], rows: str =
 def merged(before: Mapping[str, Any], results: Mapping[str, Any]) -> dict[str, Any]:
     """The results of a run with the rows that it left out, each run with what it was taken on and its operations."""
     spacing = (results if results["rows"] else before)["spacing_mm"]
-    patch, models = (_together(before, results, *keys) for keys in (("runs", "rows"), ("model_runs", "model_rows")))
-    return {"spacing_mm": spacing, **patch, **models}
+    together: dict[str, Any] = {}
+    for name in ("", "model_", "contact_"):
+        together |= _together(before, results, f"{name}runs", f"{name}rows")
+    return {"spacing_mm": spacing, **together}
 
 
 def _together(before: Mapping[str, Any], results: Mapping[str, Any], runs: str, rows: str) -> dict[str, Any]:
@@ -73,7 +84,7 @@ def _joined(runs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _head(results: Mapping[str, Any]) -> dict[str, Any]:
-    apart = ("runs", "rows", "model_runs", "model_rows", "spacing_mm")
+    apart = ("runs", "rows", "model_runs", "model_rows", "contact_runs", "contact_rows", "spacing_mm")
     return {name: value for name, value in results.items() if name not in apart}
 
 

@@ -109,7 +109,19 @@ def models_page(surroundings: Sequence[Mapping[str, Any]]) -> str:
             f"| `{plain.name}` | {plain.title} | {plain.skin:g} | 2.5 | [`skin`](tissues.md#skin) | default | "
             f"{plain.spacing:g} | {plain.trial.length:g} |"
         )
-    rows += ["", *_deep_layers(), "", *_beyond_the_rim(surroundings), "", *_whole_body(), "", *_vessels(), "", "## Where the thicknesses come from", ""]
+    rows += [
+        "",
+        *_deep_layers(),
+        "",
+        *_beyond_the_rim(surroundings),
+        "",
+        *_whole_body(),
+        "",
+        *_vessels(),
+        "",
+        "## Where the thicknesses come from",
+        "",
+    ]
     for model in BODY_MODELS.values():
         rows.append(f"- `{model.name}`: skin {_depth(model.skin)}; below it {_depth(model.fat)}. {_tension(model)}")
     drawn = ["Borges 1962", "Borges 1984", *(course.source for course in COURSES), FACIAL_ARTERY]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from flap_downloads import write_downloads
-from flap_pictures import merged
+from flap_pictures import merged, without_contact
 from lappet.designs.library_operation import flap_on_patch
 from lappet.models.body_package import is_fetched
 from lappet.models.regional_flaps import flap_on_model
@@ -55,6 +55,19 @@ def test_a_run_on_models_alone_keeps_every_row_of_the_patch_and_its_spacing() ->
     assert [(each["revision"], each["designs"]) for each in again["model_runs"]] == [
         ("c", ["cheek_limberg"]),
         ("d", ["nose_bilobed"]),
+    ]
+
+
+def test_rows_with_self_contact_are_kept_beside_those_without_and_give_the_picture_where_they_came_to_their_end() -> None:
+    rows = [{"name": "cheek_limberg"}, {"name": "nose_bilobed"}]
+    both = merged(run("a", "limberg"), {**run("b"), "model_rows": rows})
+    assert without_contact(both) == {"cheek_limberg", "nose_bilobed"}
+    ended, stuck = ({"name": row["name"], "frames": n, "of_frames": 40} for row, n in zip(rows, (40, 23), strict=True))
+    both = merged(both, {**run("c"), "contact_rows": [ended, stuck]})
+    assert without_contact(both) == {"nose_bilobed"}
+    assert both["model_rows"] == rows
+    assert [(each["revision"], each["designs"]) for each in both["contact_runs"]] == [
+        ("c", ["cheek_limberg", "nose_bilobed"])
     ]
 
 

@@ -108,6 +108,7 @@ def test_a_row_on_a_model_says_what_its_report_says_and_how_far_landmarks_went(
     coarse = partial(flap_on_model, spacing=4.0)
     monkeypatch.setattr("lappet.reports.atlas.run.flap_on_model", coarse)
     rows, files = run_atlas(["keystone"], tmp_path, lambda line: None, pictures=False, places="models")
+    assert "contact_rows" not in json.loads((tmp_path / "atlas.json").read_text(encoding="utf-8"))
     assert [row.name for row in rows] == ["limb_keystone"]
     results = json.loads((tmp_path / "atlas.json").read_text(encoding="utf-8"))
     assert results["rows"] == []
@@ -135,8 +136,9 @@ def model_row(**more: object) -> dict[str, object]:
     }
 
 
-def page_of(*rows: dict[str, object]) -> str:
-    return design_pages({"rows": [], "spacing_mm": 1.5, "model_rows": list(rows)}, {"rows": []})["limberg"]
+def page_of(*rows: dict[str, object], contact: tuple[dict[str, object], ...] = ()) -> str:
+    results = {"rows": [], "spacing_mm": 1.5, "model_rows": list(rows), "contact_rows": list(contact)}
+    return design_pages(results, {"rows": []})["limberg"]
 
 
 def test_the_page_of_a_design_that_belongs_on_a_body_shows_it_there_with_what_moved() -> None:
@@ -147,6 +149,21 @@ def test_the_page_of_a_design_that_belongs_on_a_body_shows_it_there_with_what_mo
     assert "410 ± 20" in section  # as exact as its error allows
     assert section.index("cheilion left 1.5") < section.index("alare left 0.31")  # the farthest first
     assert "menton" not in section
+
+
+def test_what_self_contact_changes_stands_beside_what_was_measured_without_it() -> None:
+    alone = page_of(model_row())
+    assert "--self-contact" not in alone
+    with_contact = model_row(newton=813, total_force=[448.0, None], overlap=0.0)
+    page = page_of(model_row(), contact=(with_contact,))
+    assert "40 of 40 frames converge, 813 Newton iterations in all; the picture shows that solve." in page
+    assert "| force of all sutures, mN | 410 ± 20 | 448 |" in page
+    assert "| tissue in tissue, mm | 1.2 | 0 |" in page
+    stuck = model_row(frames=23, reason="The frame at time 24 did not converge.")
+    page = page_of(model_row(), contact=(stuck,))
+    assert "23 of 40 frames converge" in page
+    assert "The frame at time 24 did not converge." in page
+    assert "the picture shows" not in page
 
 
 def test_an_operation_that_did_not_come_to_its_end_is_shown_as_such() -> None:

@@ -190,6 +190,11 @@ def tissues(context: click.Context, /, folder: Path) -> None:
     show_default=True,
     help="Solve them on the flat patch, on the models of the body that they belong on, or on both.",
 )
+@click.option(
+    "--self-contact",
+    is_flag=True,
+    help="Keep tissue from passing through tissue on the models, several times as slow and without estimated errors.",
+)
 @click.pass_context
 def atlas(
     context: click.Context,
@@ -199,6 +204,7 @@ def atlas(
     spacing: float | None,
     pictures: bool,
     places: str,
+    self_contact: bool,
 ) -> None:
     """Solve and draw DESIGNS of the flap library: all of them by default.
 
@@ -209,7 +215,15 @@ def atlas(
         from lappet.designs.library_operation import SPACING
         from lappet.reports.atlas.run import run_atlas
 
-        rows, files = run_atlas(designs, folder, _say, spacing=spacing or SPACING, pictures=pictures, places=places)
+        rows, files = run_atlas(
+            designs,
+            folder,
+            _say,
+            spacing=spacing or SPACING,
+            pictures=pictures,
+            places=places,
+            self_contact=self_contact,
+        )
         for path in files:
             click.echo(path)
     if any(row.frames < row.of_frames for row in rows):

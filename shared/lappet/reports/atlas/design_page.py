@@ -11,6 +11,7 @@ from lappet.designs.library import DESIGNS
 from lappet.designs.library_design import LibraryDesign
 from lappet.reports.atlas.measured import measured_table
 from lappet.reports.atlas.model_section import model_sections
+from lappet.reports.atlas.rows import CONTACT_ROWS, MODEL_ROWS
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
 from lappet.reports.literature.run import value_text
@@ -33,10 +34,12 @@ def design_pages(results: Mapping[str, Any], literature: Mapping[str, Any]) -> d
     """
     rows = {row["name"]: row for row in results["rows"]}
     found = {row["name"]: row for row in literature["rows"]}
-    on_models = {row["name"]: row for row in results.get("model_rows", [])}
+    on_models, contact = ({row["name"]: row for row in results.get(rows, [])} for rows in (MODEL_ROWS, CONTACT_ROWS))
     spacing = float(results["spacing_mm"])
     return {
-        name: _page(design, _results(design, rows, spacing) + model_sections(name, on_models), name in rows, found)
+        name: _page(
+            design, _results(design, rows, spacing) + model_sections(name, on_models, contact), name in rows, found
+        )
         for name, design in DESIGNS.items()
     }
 

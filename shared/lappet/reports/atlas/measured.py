@@ -20,7 +20,9 @@ _MEASURED = (
 )
 
 
-def measured_table(rows: Mapping[str, Mapping[str, Any]], name: str) -> str:
+def measured_table(
+    rows: Mapping[str, Mapping[str, Any]], name: str, contact: Mapping[str, Mapping[str, Any]] | None = None
+) -> str:
     """Write what the atlas measured of an operation as a table.
 
     Parameters
@@ -29,17 +31,22 @@ def measured_table(rows: Mapping[str, Mapping[str, Any]], name: str) -> str:
         The atlas's rows by name.
     name
         Name of the row.
+    contact
+        Rows that were solved with self-contact; if one has the name, it gets a column.
 
     Returns
     -------
     str
         The table in Markdown.
     """
+    columns = {"here": rows}
+    if contact is not None and name in contact:
+        columns["with `--self-contact`"] = contact
     table = []
     for field, title, unit, has_error in _MEASURED:
-        text = (measured_text if has_error else plain_text)(rows, name, field)
-        table.append([f"{title}, {unit}", text or "not measured"])
-    return markdown_table(["what", "here"], table)
+        texts = [(measured_text if has_error else plain_text)(each, name, field) for each in columns.values()]
+        table.append([f"{title}, {unit}", *(text or "not measured" for text in texts)])
+    return markdown_table(["what", *columns], table)
 
 
 def measured_text(rows: Mapping[str, Mapping[str, Any]], name: str, what: str) -> str:

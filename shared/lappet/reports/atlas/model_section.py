@@ -16,7 +16,9 @@ _NAMED = 6  # landmarks that are named, those that moved most
 _PICTURES = "../images/flaps"
 
 
-def model_sections(design: str, rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def model_sections(
+    design: str, rows: Mapping[str, Mapping[str, Any]], contact: Mapping[str, Mapping[str, Any]]
+) -> list[str]:
     """Write a section for each place on a body where a design belongs.
 
     Parameters
@@ -25,22 +27,26 @@ def model_sections(design: str, rows: Mapping[str, Mapping[str, Any]]) -> list[s
         Name of the design.
     rows
         The atlas's rows on models by operation.
+    contact
+        Those with self-contact.
 
     Returns
     -------
     list[str]
         Lines of Markdown; none for a design that belongs to no region.
     """
-    return [line for flap in regional_flaps(design) for line in _section(flap, rows)]
+    return [line for flap in regional_flaps(design) for line in _section(flap, rows, contact)]
 
 
-def model_overview(rows: Mapping[str, Mapping[str, Any]]) -> str:
+def model_overview(rows: Mapping[str, Mapping[str, Any]], contact: Mapping[str, Mapping[str, Any]]) -> str:
     """Write a table of all operations on a body.
 
     Parameters
     ----------
     rows
         The atlas's rows on models by operation.
+    contact
+        Those with self-contact.
 
     Returns
     -------
@@ -58,6 +64,8 @@ def model_overview(rows: Mapping[str, Mapping[str, Any]]) -> str:
             plain_text(rows, name, "scar_length"),
             plain_text(rows, name, "open_area"),
             plain_text(rows, name, "overlap"),
+            f"{contact[name]['frames']} of {contact[name]['of_frames']}" if name in contact else "",
+            plain_text(contact, name, "overlap"),
         ]
         for name, flap in REGIONAL_FLAPS.items()
     ]
@@ -66,17 +74,21 @@ def model_overview(rows: Mapping[str, Mapping[str, Any]]) -> str:
         "## On a body\n\nDesigns that belong to a region, on the [model](models.md) that holds it, at the model's own "
         "spacing. `shared/lappet/models/regional_flaps.py` says where each lies and with which measures.\n\n"
     )
-    return about + markdown_table([*headings, "open, mm²", "tissue in tissue, mm"], table) + "\n"
+    headings += ["open, mm²", "tissue in tissue, mm", "frames with `--self-contact`", "tissue in tissue"]
+    return about + markdown_table(headings, table) + "\n"
 
 
-def _section(flap: RegionalFlap, rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def _section(
+    flap: RegionalFlap, rows: Mapping[str, Mapping[str, Any]], contact: Mapping[str, Mapping[str, Any]]
+) -> list[str]:
     name, row = flap.name, rows.get(flap.name)
     lines = [f"## On {flap.place}", ""]
     if row is None:
         return [*lines, "The last atlas does not have this operation.", "", *_made(flap)]
     if row["frames"]:
         lines += [f"![{DESIGNS[flap.design].title} on {flap.place}, step by step]({_PICTURES}/{name}.jpg)", ""]
-    lines += [*_made(flap), _about(flap, row), "", measured_table(rows, name), "", *_moved(row)]
+    lines += [*_made(flap), _about(flap, row), "", *_with_contact(contact.get(name))]
+    lines += [measured_table(rows, name, contact), "", *_moved(row)]
     return [*lines, *([flap.remark, ""] if flap.remark else [])]
 
 
@@ -91,6 +103,17 @@ def _about(flap: RegionalFlap, row: Mapping[str, Any]) -> str:
         text += f" **It does not come to its end**: {row['reason'] or 'a frame did not converge.'}"
     suture = row.get("greatest_suture")
     return text + (f" The suture that pulls most is `{suture}`." if suture else "")
+
+
+def _with_contact(row: Mapping[str, Any] | None) -> list[str]:
+    """What keeping tissue from passing through tissue takes; nothing where it was not tried."""
+    if row is None:
+        return []
+    frames = f"{row['frames']} of {row['of_frames']} frames converge, {row['newton']} Newton iterations in all"
+    text = f"With [`--self-contact`](../solver.md#tissue-that-touches-itself) {frames}"
+    if row["frames"] < row["of_frames"]:
+        return [f"{text}. {row['reason']}".rstrip(), ""]
+    return [f"{text}; the picture shows that solve.", ""]
 
 
 def _made(flap: RegionalFlap) -> list[str]:

@@ -9,6 +9,7 @@ from lappet.bench.tables import markdown_table
 from lappet.designs.library import DESIGNS
 from lappet.reports.atlas.measured import measured_text, plain_text
 from lappet.reports.atlas.model_section import model_overview
+from lappet.reports.atlas.rows import CONTACT_ROWS, MODEL_ROWS
 from lappet.reports.report_files import described
 
 FOLDER = "flaps"  # beside the page, with a page of each design
@@ -90,9 +91,9 @@ def flap_page(results: Mapping[str, Any]) -> str:
         The text of docs/flaps.md.
     """
     rows = {row["name"]: row for row in results["rows"]}
-    on_models = {row["name"]: row for row in results.get("model_rows", [])}
+    on_models, contact = ({row["name"]: row for row in results.get(rows, [])} for rows in (MODEL_ROWS, CONTACT_ROWS))
     flat = [_overview(rows, float(results["spacing_mm"])), _runs(results, "runs") + "\n"]
-    return "\n".join([_INTRODUCTION, *flat, model_overview(on_models), _runs(results, "model_runs") + "\n"])
+    return "\n".join([_INTRODUCTION, *flat, model_overview(on_models, contact), _runs(results, "model_runs") + "\n"])
 
 
 def _runs(results: Mapping[str, Any], key: str) -> str:

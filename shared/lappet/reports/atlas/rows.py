@@ -11,6 +11,9 @@ from lappet.core.problem_code import ProblemCode
 from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure import Landmark, Procedure
 
+# Where the results keep the rows on models, and those of them with self-contact.
+MODEL_ROWS, CONTACT_ROWS = "model_rows", "contact_rows"
+
 
 @dataclass(frozen=True)
 class AtlasRow:

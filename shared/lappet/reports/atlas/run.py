@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from lappet.designs.library import DESIGNS, library_design
@@ -13,7 +14,8 @@ from lappet.output.report import write_report
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
 from lappet.plates.draw_plate import PlateOptions, draw_plate
 from lappet.procedure import Procedure
-from lappet.reports.atlas.rows import AtlasRow, ModelRow, atlas_row, model_row
+from lappet.program.compile import DEFAULT
+from lappet.reports.atlas.rows import CONTACT_ROWS, MODEL_ROWS, AtlasRow, ModelRow, atlas_row, model_row
 from lappet.reports.report_files import head, make_folder, write_json
 from lappet.usd.stage import write_procedure
 
@@ -31,6 +33,7 @@ def run_atlas(
     spacing: float = SPACING,
     pictures: bool = True,
     places: str = BOTH,
+    self_contact: bool = False,
 ) -> tuple[list[AtlasRow], list[Path]]:
     """Solve and draw designs.
 
@@ -49,6 +52,9 @@ def run_atlas(
     places
         "patch" for the flat patch, "models" for the models of the body, "both"; the models are left out of both where
         their package is not there.
+    self_contact
+        Whether to keep tissue from passing through tissue on the models. Errors are not estimated then, as coarser
+        lattices often find no way where tissue touches.
 
     Returns
     -------
@@ -73,13 +79,14 @@ def run_atlas(
         say(_line(name, rows[-1]))
         files += written
     for name in regional:
-        result, written = _solved(name, flap_on_model(name), folder, pictures)
+        result, written = _solved(name, flap_on_model(name), folder, pictures, self_contact)
         flap = REGIONAL_FLAPS[name]
         on_models.append(model_row(name, flap.design, flap.model, result))
         say(_line(name, on_models[-1].measured))
         files += written
     results = folder / RESULTS
-    write_json(results, head(), rows, spacing_mm=spacing, model_rows=[row.flat() for row in on_models])
+    kept = {CONTACT_ROWS if self_contact else MODEL_ROWS: [row.flat() for row in on_models]}
+    write_json(results, head(), rows, spacing_mm=spacing, **kept)
     return [*rows, *(row.measured for row in on_models)], [*files, results]
 
 
@@ -96,11 +103,14 @@ def _regional(designs: Sequence[str], places: str, say: Callable[[str], None]) -
     return wanted
 
 
-def _solved(name: str, procedure: Procedure, folder: Path, pictures: bool) -> tuple[SolveResult, list[Path]]:
+def _solved(
+    name: str, procedure: Procedure, folder: Path, pictures: bool, self_contact: bool = False
+) -> tuple[SolveResult, list[Path]]:
     """Solve a procedure and draw it; the files are in the folder under its name."""
     source, cache, report = (folder / f"{name}.{ending}" for ending in ("usda", "usdc", "json"))
     write_procedure(procedure, source)
-    result = solve_procedure(source, cache)
+    settings = replace(DEFAULT, self_contact=self_contact)
+    result = solve_procedure(source, cache, settings, error_estimate=not self_contact)
     write_report(result, report)
     files = [source, cache, report]
     if pictures and result.output is not None:
