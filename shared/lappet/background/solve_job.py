@@ -34,11 +34,10 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
-from lappet.solve.fallbacks import fallbacks
 from lappet.solve.measure_errors import errors_of_measures
 from lappet.solve.measures import Gauges
-from lappet.solve.overlaps import overlap_notes
-from lappet.solve.sensitive import several_notes, stability_notes
+from lappet.solve.result_notes import result_notes
+from lappet.solve.sensitive import several_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.suture_forces import suture_warnings
 from lappet.solve.untrusted import untrusted
@@ -169,7 +168,7 @@ class SolveJobs:
         gauges, solved = Gauges(program), [frame.solved for frame in frames]
         measures = [gauges.measure(each) for each in solved]
         rows = [row for each in measures for row in each.sutures]
-        notes = fallbacks(program, frames) + stability_notes(frames) + overlap_notes(program, frames)
+        notes = result_notes(program, frames)
         notes += suture_warnings(program, rows)
         wanted = job.ask.settings.correction
         if wanted:

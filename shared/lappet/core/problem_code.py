@@ -218,6 +218,7 @@ class ProblemCode(StrEnum):
     FRAMES_UNSTABLE = auto()
     FRAMES_ONE_OF_SEVERAL = auto()
     TISSUE_IN_TISSUE = auto()
+    HOOK_HELD_BACK = auto()
     FRAMES_START_PIERCED = auto()
 
     # texts/notes.toml

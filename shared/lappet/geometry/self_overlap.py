@@ -51,10 +51,10 @@ def self_overlap(points: NDArray[np.floating], triangles: NDArray[np.integer]) -
     points = np.asarray(points, np.float64)
     off = _OFF * float(np.ptp(points, axis=0).max(initial=0.0)) * vertex_normals(points, triangles)
     upwards = AxisRays(points, triangles, 2)
-    without = _winding(upwards, points + off)
+    without = winding_numbers(upwards, points + off)
     within = np.flatnonzero((without > 0) & off.any(axis=1))
     # Where the normal is none, as at the end of a slit, both sides of the vertex may lie in its own tissue.
-    within = within[_winding(upwards, (points - off)[within]) == without[within] + 1]
+    within = within[winding_numbers(upwards, (points - off)[within]) == without[within] + 1]
     outside = (points + off)[within]
     depth = np.full(len(within), np.inf)
     for axis in range(3):
@@ -65,8 +65,21 @@ def self_overlap(points: NDArray[np.floating], triangles: NDArray[np.integer]) -
     return SelfOverlap(within, depth)
 
 
-def _winding(upwards: AxisRays, queries: NDArray[np.float64]) -> NDArray[np.int64]:
-    """How often the surface goes round each point."""
+def winding_numbers(upwards: AxisRays, queries: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Count how often a closed surface goes round points.
+
+    Parameters
+    ----------
+    upwards
+        Lines along z through the surface.
+    queries
+        Points in the surface's unit, shape (q, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        1 inside it, 0 outside, shape (q,).
+    """
     line, along, leaves = upwards.crossings(queries)
     above = along > 0.0
     signs = np.where(leaves[above], 1, -1)

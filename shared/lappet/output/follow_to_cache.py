@@ -13,11 +13,9 @@ from lappet.output.solve_to_cache import SolveResult, check_source, read_source,
 from lappet.procedure import Procedure
 from lappet.program.compile import DEFAULT, compile_program
 from lappet.program.settings import SolverSettings
-from lappet.solve.fallbacks import fallbacks
 from lappet.solve.follow_frames import follow_program
 from lappet.solve.measures import Gauges
-from lappet.solve.overlaps import overlap_notes
-from lappet.solve.sensitive import stability_notes
+from lappet.solve.result_notes import result_notes
 from lappet.solve.solve_frames import SolveObserver
 from lappet.solve.suture_forces import suture_warnings
 from lappet.usd.procedure_file import ProcedureFile
@@ -82,7 +80,7 @@ def follow_procedure(
         raise RefusedError([result.reason])
     gauges = Gauges(program)
     measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
-    found = fallbacks(program, result.frames) + stability_notes(result.frames) + overlap_notes(program, result.frames)
+    found = result_notes(program, result.frames)
     found += suture_warnings(program, [row for each in measures for row in each.sutures])
     written = None
     if result.frames:

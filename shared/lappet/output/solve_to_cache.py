@@ -22,14 +22,13 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
-from lappet.solve.fallbacks import fallbacks
 from lappet.solve.hook_forces import HookForce
 from lappet.solve.measures import FrameMeasures, Gauges
-from lappet.solve.overlaps import overlap_notes
 from lappet.solve.reactions import Reaction, reactions
+from lappet.solve.result_notes import result_notes
 from lappet.solve.seam_measures import SeamMeasure
 from lappet.solve.section_tension import SectionTension, section_tensions
-from lappet.solve.sensitive import several_notes, stability_notes
+from lappet.solve.sensitive import several_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.solve.suture_forces import SutureForce, suture_warnings
@@ -202,7 +201,7 @@ def solve_procedure(
         raise RefusedError([result.reason])
     gauges = Gauges(program)
     measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
-    found = fallbacks(program, result.frames) + stability_notes(result.frames) + overlap_notes(program, result.frames)
+    found = result_notes(program, result.frames)
     found += suture_warnings(program, [row for each in measures for row in each.sutures])
     errors = None
     if error_estimate and result.frames:
