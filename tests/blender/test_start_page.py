@@ -190,6 +190,24 @@ def test_a_material_a_thread_and_a_plate_that_are_dropped_are_used(patch: bpy.ty
     assert len(patch.lappet.pages) == 1
 
 
+@pytest.mark.parametrize("preset", PRESETS_OF_TISSUE)
+def test_a_material_that_is_there_already_is_used_and_one_that_was_changed_is_not(
+    patch: bpy.types.Scene, preset: str
+) -> None:
+    ops.material_add(preset="SKIN", name="another")
+    for _ in range(2):
+        dropped(f"material:{preset}")
+        ops.asset_take_up(object="asset")
+    names = [each.name for each in patch.lappet.materials]
+    used = patch.lappet.tissue.material
+    assert not [name for name in names if name.endswith("_2")]
+    assert patch.lappet.materials[patch.lappet.active_material].name == used
+    patch.lappet.materials[used].youngs_modulus *= 2.0
+    dropped(f"material:{preset}")
+    ops.asset_take_up(object="asset")
+    assert patch.lappet.tissue.material != used
+
+
 def test_a_hook_and_a_landmark_are_set_where_they_are_dropped(patch: bpy.types.Scene) -> None:
     dropped("instrument:hook", (5.0, -3.0, TOP + 1.0))
     ops.asset_take_up(object="asset")
