@@ -15,6 +15,7 @@ from lappet.drawing.quantity_scale import ramp_linear
 from lappet_blender.display import skin_display
 from lappet_blender.display.color_scale import highest_of
 from lappet_blender.display.display_collection import ROLE, find_collection, find_object
+from lappet_blender.display.frame_all import off_stage
 from lappet_blender.display.render_still import another_frame
 from lappet_blender.look.skin_material import FULL_SCALE
 from refusals import refusal_code
@@ -306,6 +307,17 @@ def test_setting_the_stage_again_replaces_it_and_clearing_it_leaves_nothing(show
     assert len(shown.objects) == count
     bpy.ops.lappet.clear_stage()
     assert {o.name for o in shown.objects} == before
+
+
+def test_framing_leaves_out_the_stage_and_nothing_else(shown: bpy.types.Scene) -> None:
+    layer = bpy.context.view_layer
+    assert off_stage(shown, layer) == []
+    before = set(shown.objects)
+    bpy.ops.lappet.set_stage(engine="KEEP")
+    bpy.context.view_layer.update()
+    assert set(off_stage(shown, layer)) == set(shown.objects) - before
+    next(each for each in shown.objects if each.name == "Backdrop").hide_set(True)
+    assert "Backdrop" not in [each.name for each in off_stage(shown, layer)]  # what the user hid stays hidden after
 
 
 def test_a_rendered_frame_shows_the_open_wound_where_the_closed_one_is_skin(
