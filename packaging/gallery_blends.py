@@ -161,12 +161,12 @@ def fill(scene: Any, recipe: Recipe, usda: str) -> None:
     assert procedure is not None
     page = page_of(recipe, procedure)
     keep_plates(scene, (page,))
-    scene.lappet.look.color = page.quantity.upper() or "PLAIN"
+    bpy.ops.lappet.look_preset(preset=page.quantity.upper() if page.quantity in ("tension", "strain") else "OPERATION")
     scene.lappet.solving.when_opened = True
     scene.frame_set(scene.frame_start)
     bpy.ops.lappet.plan_now(wait=True)
     bpy.ops.lappet.set_stage(view=page.view.upper(), engine="CYCLES", width=_PICTURE[0], height=_PICTURE[1])
-    scene.lappet.active_event = 0
+    scene.lappet.active_event = -1  # none: its points would lie over the picture
     for area in (area for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D"):
         space = area.spaces.active
         space.show_region_ui = True  # where it says that it solves

@@ -14,7 +14,7 @@ import pytest
 from gallery import GALLERY
 from gallery_blends import ROOT, page_of, recipes, write_gallery_blends
 from lappet.designs.library_operation import flap_on_patch
-from website.pages import with_project_files
+from website.pages import stage, with_project_files
 
 # What a Blender that opens a project finds in it; printed as JSON.
 LOOK = """
@@ -35,6 +35,8 @@ print("SEEN", json.dumps({
     "events": len(scene.lappet.events),
     "page": [page.name, page.style, page.columns, page.width, page.panels[0].caption],
     "color": scene.lappet.look.color,
+    "landmarks": scene.lappet.look.show_landmarks,
+    "active": scene.lappet.active_event,
     "spacing": scene.lappet.tissue.spacing,
     "opened": scene.lappet.solving.when_opened,
     "lights": sorted(o.name for o in scene.objects if o.type == "LIGHT"),
@@ -86,6 +88,15 @@ def test_a_project_holds_the_procedure_the_page_and_a_camera_that_sees_it_and_no
     assert seen["events"] > 5
     assert seen["page"] == ["v_y", "ink", 1, 85.0, "The plan: a V whose limbs close as a Y"]
     assert (seen["color"], seen["spacing"], seen["opened"]) == ("PLAIN", 1.5, True)
+    assert (seen["landmarks"], seen["active"]) == (False, -1)
     assert seen["lights"] == ["Fill", "Key", "Rim"]
     assert (seen["paths"], seen["objects"], seen["views"]) == ([], [], ["CAMERA"])
     assert min(seen["depths"]) > 0.0
+
+
+def test_the_site_gets_the_projects_beside_the_pictures(tmp_path: Path) -> None:
+    (tmp_path / "files/gallery").mkdir(parents=True)
+    (tmp_path / "files/gallery/v_y.blend").write_bytes(b"BLENDER")
+    stage(ROOT, tmp_path / "pages", tmp_path / "files")
+    assert (tmp_path / "pages/docs/gallery/v_y.blend").read_bytes() == b"BLENDER"
+    assert "(v_y.blend)" in (tmp_path / "pages/docs/gallery/README.md").read_text(encoding="utf-8")
