@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos foldings lint format docs site bench gallery atlas clean
+.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos foldings lint format docs site bench gallery projects atlas clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -69,6 +69,9 @@ bench:  ## measure kernels, scenes, sheets and stages into build/bench (PARTS=pi
 
 gallery: setup  ## draw the plates of docs/gallery into it (about 20 minutes of solving on two cores)
 	@$(PYTHON) packaging/gallery.py
+
+projects: setup  ## write a Blender file for each page of the gallery into build/gallery/blends; nothing is solved
+	@$(PYTHON) packaging/gallery_blends.py build/gallery/blends
 
 atlas: setup  ## solve and draw every design of the flap library into build/atlas; docs/flaps.md shows it
 	@$(PYTHON) -m lappet report atlas -o build/atlas

@@ -14,8 +14,9 @@ from pathlib import Path
 from sphinx.cmd.build import main as sphinx_build
 
 from flap_downloads import write_downloads
+from gallery_blends import write_gallery_blends
 from website.api_pages import write_api_pages
-from website.pages import FRONT_PAGE, stage
+from website.pages import FRONT_PAGE, GALLERY, stage
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -28,7 +29,7 @@ def build_site(output: Path, downloads: bool = False) -> int:
     output
         The site's folder. Beside it, in `<output>.work`, lies what makes the next build quick.
     downloads
-        Whether the pages of flaps offer their operations as files, which are made here.
+        Whether the pages of flaps offer their operations, and the gallery its projects, as files, which are made here.
 
     Returns
     -------
@@ -40,6 +41,7 @@ def build_site(output: Path, downloads: bool = False) -> int:
     files = work / "downloads" if downloads else None
     if files is not None:
         write_downloads(files)
+        write_gallery_blends(files / GALLERY)
     stage(ROOT, pages, files)
     write_api_pages(ROOT / "shared" / "lappet", pages)
     options = ["-b", "html", "-q", "-W", "--keep-going", "-j", "auto", "-c", str(ROOT / "packaging" / "website")]
@@ -54,7 +56,9 @@ def main(arguments: list[str]) -> int:
     """Read the arguments and build."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "site", metavar="DIR")
-    parser.add_argument("--no-downloads", action="store_true", help="leave out the operations of flaps as files")
+    parser.add_argument(
+        "--no-downloads", action="store_true", help="leave out what flaps and the gallery offer as files"
+    )
     given = parser.parse_args(arguments)
     output = given.output.resolve()
     status = build_site(output, downloads=not given.no_downloads)

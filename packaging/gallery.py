@@ -43,7 +43,9 @@ def page(plates: list[dict[str, Any]]) -> str:
     """The page of the gallery."""
     parts = [
         "# Gallery\n\nPlates as [`lappet plate`](../plates.md) draws them, each with the commands that make it, in the "
-        "folder of a checkout. `make gallery` makes all of them again and writes this page.\n"
+        "folder of a checkout. `make gallery` makes all of them again and writes this page. `make projects` writes "
+        "each as a project for Blender into build/gallery/blends, with its procedure, page, camera, lights and look; "
+        "the extension solves it when it is opened. The site of the documents offers these files.\n"
     ]
     for plate in plates:
         commands = "\n".join(plate["commands"])

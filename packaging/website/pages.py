@@ -69,6 +69,8 @@ BELOW = {
     "docs/flaps.md": "docs/flaps/*.md",
     "docs/plates.md": "docs/gallery/*.md",
 }
+GALLERY = "gallery"  # the folder of the gallery's files among the downloads
+GALLERY_PAGE = Path("docs/gallery/README.md")
 API_SECTION = "How it works"  # the API reference closes this section
 API_INDEX = "/api/index"
 
@@ -119,7 +121,8 @@ def stage(root: Path, into: Path, downloads: Path | None = None) -> list[Path]:
     into
         The staging folder; what is in it from a page that no longer exists is removed.
     downloads
-        A folder with files to download, those of a page of `docs/flaps` in a folder of its name; None for none.
+        A folder with files to download, those of a page of `docs/flaps` in a folder of its name, those of the gallery
+        in `gallery`; None for none.
 
     Returns
     -------
@@ -141,9 +144,11 @@ def stage(root: Path, into: Path, downloads: Path | None = None) -> list[Path]:
         if downloads is not None and page.parent == Path("docs/flaps"):
             offered = sorted((downloads / page.stem).glob("*"))
             text += download_section([file.name for file in offered], page.stem)
-            for file in offered:
-                wanted.add(page.parent / file.name)
-                _copy(file, into / page.parent / file.name)
+            wanted |= _offer(offered, into, page.parent)
+        if downloads is not None and page == GALLERY_PAGE:
+            offered = sorted((downloads / GALLERY).glob("*.blend"))
+            text = with_project_files(text, [file.name for file in offered])
+            wanted |= _offer(offered, into, page.parent)
         wanted.add(page)
         write_if_changed(into / page, text)
     _remove_others(into, wanted)
@@ -167,6 +172,19 @@ def download_section(names: Sequence[str], design: str) -> str:
             ]
             lines.append("")
     return "\n".join(["", "## Download", "", *lines])
+
+
+def with_project_files(text: str, names: Sequence[str]) -> str:
+    """The gallery's page with a link below each picture to its Blender file, where that is among the names."""
+
+    def linked(found: re.Match[str]) -> str:
+        name = f"{Path(found[1]).stem}.blend"
+        if name not in names:
+            return found[0]
+        said = "this page as a project for Blender with the extension, solved when opened."
+        return f"{found[0]}\n\n[{name}]({name}): {said}\n"
+
+    return re.sub(r"^!\[[^\]]*\]\(([^)]+)\)$", linked, text, flags=re.MULTILINE)
 
 
 def write_if_changed(path: Path, text: str) -> None:
@@ -211,6 +229,13 @@ def _linked_files(root: Path, page: Path, text: str) -> list[Path]:
         if file.is_file() and file.suffix != ".md" and file.is_relative_to(root):
             found.append(file.relative_to(root))
     return found
+
+
+def _offer(files: Sequence[Path], into: Path, folder: Path) -> set[Path]:
+    """Copy files for download beside a page; what they are called in the staging folder."""
+    for file in files:
+        _copy(file, into / folder / file.name)
+    return {folder / file.name for file in files}
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -15,8 +15,10 @@ from lappet.drawing.quantity_scale import ramp_linear
 from lappet_blender.display import skin_display
 from lappet_blender.display.color_scale import highest_of
 from lappet_blender.display.display_collection import ROLE, find_collection, find_object
+from lappet_blender.display.frame_all import off_stage
 from lappet_blender.display.render_still import another_frame
-from lappet_blender.look.skin_material import FULL_SCALE
+from lappet_blender.look.skin_material import FULL_SCALE, SKIN
+from lappet_blender.look.solid_texture import add_tile
 from refusals import refusal_code
 from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved
 
@@ -308,6 +310,17 @@ def test_setting_the_stage_again_replaces_it_and_clearing_it_leaves_nothing(show
     assert {o.name for o in shown.objects} == before
 
 
+def test_framing_leaves_out_the_stage_and_nothing_else(shown: bpy.types.Scene) -> None:
+    layer = bpy.context.view_layer
+    assert off_stage(shown, layer) == []
+    before = set(shown.objects)
+    bpy.ops.lappet.set_stage(engine="KEEP")
+    bpy.context.view_layer.update()
+    assert set(off_stage(shown, layer)) == set(shown.objects) - before
+    next(each for each in shown.objects if each.name == "Backdrop").hide_set(True)
+    assert "Backdrop" not in [each.name for each in off_stage(shown, layer)]  # what the user hid stays hidden after
+
+
 def test_a_rendered_frame_shows_the_open_wound_where_the_closed_one_is_skin(
     shown: bpy.types.Scene, tmp_path: Path
 ) -> None:
@@ -375,3 +388,18 @@ def test_a_still_says_where_it_shows_another_frame_than_the_one_it_is_of(
     told = another_frame(shown)
     assert told is not None
     assert told.message.endswith("the picture shows the tissue at rest.")
+
+
+def test_the_picture_of_the_grid_is_in_the_file_and_has_its_colors(scene: bpy.types.Scene) -> None:
+    material = bpy.data.materials.new("Tile")
+    if not material.use_nodes:
+        material.use_nodes = True
+    add_tile(material, "grid")
+    image = material.node_tree.nodes.active.image
+    assert image.packed_file is not None
+    flat = np.empty(4 * 160 * 160, np.float32)
+    image.pixels.foreach_get(flat)
+    seen = flat.reshape(160, 160, 4)
+    linear = np.where(seen <= 0.04045, seen / 12.92, ((seen + 0.055) / 1.055) ** 2.4)
+    assert linear[40, 40, :3] == pytest.approx(SKIN[:3], abs=0.01)  # between two lines
+    assert np.all(linear[0, :, :3].sum(axis=1) < 0.9 * sum(SKIN[:3]))  # along one

@@ -12,7 +12,7 @@ from fake_worker import Script
 from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
-from lappet_blender.solving import controller, frames, scene_watch, solve_settings, workers
+from lappet_blender.solving import controller, frames, opened_files, scene_watch, solve_settings, workers
 from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve, states
 
@@ -42,6 +42,23 @@ def test_a_saved_file_shows_its_frames_when_it_is_opened_without_a_worker(
     assert shown.frame.points[0, 2] == height
     run_timer(QUIET)
     assert script.asked == asked
+
+
+def test_a_file_that_asks_for_it_is_solved_when_it_is_opened_and_only_once(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    assert opened_files.wanting(bpy.data.scenes) == []
+    patch.lappet.solving.when_opened = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    (scene,) = opened_files.wanting(bpy.data.scenes)
+    assert opened_files.begin(scene)
+    assert frames.progress_of(scene).running
+    run_timer(QUIET)
+    assert states(scene) == "ssssssss"
+    assert not opened_files.begin(scene)
+    scene.lappet.tissue.object = None
+    assert opened_files.wanting(bpy.data.scenes) == []
 
 
 def test_a_file_that_was_saved_with_stale_frames_shows_them_as_stale(

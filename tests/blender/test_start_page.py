@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -16,10 +17,12 @@ from event_patch import co, patch_scene
 from lappet.checks.validation import check
 from lappet.core.problem_code import ProblemCode
 from lappet.tissue.presets import PRESETS as PRESETS_OF_TISSUE
+from lappet_blender.events.flap_assets import size_of, suit_unit
 from lappet_blender.model.scene_procedure import read_scene
-from lappet_blender.start import asset_items, asset_library, asset_operators, own_presets, template_files
+from lappet_blender.start import asset_home, asset_items, asset_library, asset_operators, own_presets, template_files
 from lappet_blender.start.asset_library import TAG
 from lappet_blender.start.first_scene import fill_first_scene
+from lappet_blender.start.template_offer import draw_offer
 from refusals import refusal_code
 
 ops = bpy.ops.lappet
@@ -129,6 +132,68 @@ def test_writing_the_library_twice_leaves_one_entry_and_removing_takes_it_out(li
     assert "Lappet" not in libraries
 
 
+def libraries_of(preferences: bpy.types.Preferences) -> list[tuple[str, str]]:
+    """The asset libraries that the preferences name."""
+    return [(each.name, each.path) for each in preferences.filepaths.asset_libraries]
+
+
+def test_the_library_names_itself_and_leaves_the_preferences_as_they_were(addon: None, tmp_path: Path) -> None:
+    preferences = bpy.context.preferences
+    before, preferences.is_dirty = libraries_of(preferences), False
+    assert asset_home.name_library(preferences, tmp_path)
+    assert not asset_home.name_library(preferences, tmp_path)  # once
+    assert libraries_of(preferences) == [*before, ("Lappet", str(tmp_path))]
+    assert asset_home.forget_library(preferences, tmp_path)
+    assert libraries_of(preferences) == before
+    assert not preferences.is_dirty
+
+
+def test_a_library_that_the_user_keeps_elsewhere_is_neither_moved_nor_taken_out(library: Path, tmp_path: Path) -> None:
+    preferences, before = bpy.context.preferences, libraries_of(bpy.context.preferences)
+    assert not asset_home.name_library(preferences, tmp_path / "own")
+    assert not asset_home.forget_library(preferences, tmp_path / "own")
+    assert libraries_of(preferences) == before
+
+
+def test_a_library_is_written_again_only_by_another_version(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert asset_home.is_current(library)
+    monkeypatch.setattr(asset_home, "version", lambda: "of tomorrow")
+    assert not asset_home.is_current(library)
+    (library / "lappet.blend").unlink()
+    monkeypatch.undo()
+    assert not asset_home.is_current(library)
+
+
+def test_scripts_without_a_window_write_no_library_and_name_none(addon: None) -> None:
+    assert bpy.app.background
+    assert not bpy.app.timers.is_registered(asset_home._offer)
+    assert "Lappet" not in bpy.context.preferences.filepaths.asset_libraries
+
+
+def test_a_plan_that_is_dropped_into_a_scene_in_meters_is_as_large_as_in_one_in_mm(library: Path) -> None:
+    scene = bpy.context.scene
+    with bpy.data.libraries.load(str(library / "flaps.blend"), assets_only=True) as (_, into):
+        into.objects = ["Limberg flap"]
+    (plan,) = into.objects
+    scene.collection.objects.link(plan)
+    assert not suit_unit(scene, plan)
+    scene.unit_settings.scale_length = 1.0
+    assert suit_unit(scene, plan)
+    bpy.context.view_layer.update()
+    assert size_of(scene, plan) == pytest.approx(1.0)
+    assert max(plan.dimensions) < 0.2
+
+
+def test_the_empty_panel_offers_the_template_until_it_is_there(scene: bpy.types.Scene, scripts: Path) -> None:
+    drawn: list[str] = []
+    layout = SimpleNamespace(separator=lambda: None, operator=lambda name, **_: drawn.append(name))
+    draw_offer(SimpleNamespace(layout=layout), bpy.context)
+    assert drawn == ["lappet.template_install"]
+    ops.template_install()
+    draw_offer(SimpleNamespace(layout=layout), bpy.context)
+    assert len(drawn) == 1
+
+
 def test_the_picture_of_a_material_is_its_curve(addon: None) -> None:
     stress = asset_items._stress
     fat, skin = PRESETS_OF_TISSUE["fat"].material, PRESETS_OF_TISSUE["skin"].material
@@ -188,6 +253,24 @@ def test_a_material_a_thread_and_a_plate_that_are_dropped_are_used(patch: bpy.ty
     dropped("plate:atlas")
     ops.asset_take_up(object="asset")
     assert len(patch.lappet.pages) == 1
+
+
+@pytest.mark.parametrize("preset", PRESETS_OF_TISSUE)
+def test_a_material_that_is_there_already_is_used_and_one_that_was_changed_is_not(
+    patch: bpy.types.Scene, preset: str
+) -> None:
+    ops.material_add(preset="SKIN", name="another")
+    for _ in range(2):
+        dropped(f"material:{preset}")
+        ops.asset_take_up(object="asset")
+    names = [each.name for each in patch.lappet.materials]
+    used = patch.lappet.tissue.material
+    assert not [name for name in names if name.endswith("_2")]
+    assert patch.lappet.materials[patch.lappet.active_material].name == used
+    patch.lappet.materials[used].youngs_modulus *= 2.0
+    dropped(f"material:{preset}")
+    ops.asset_take_up(object="asset")
+    assert patch.lappet.tissue.material != used
 
 
 def test_a_hook_and_a_landmark_are_set_where_they_are_dropped(patch: bpy.types.Scene) -> None:

@@ -13,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 
 import bpy
+from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -52,9 +53,19 @@ def first_script(blender: Driver) -> Steps:
     names = [each.name for each in scene.objects if each.name in ("Cube", "Light")]
     blender.expect(not names, f"nothing of the new file lies in the wound: {names}")
     yield 1.0
-    with blender.override():
-        bpy.ops.view3d.view_camera()  # Home would show all of the stage's paper, in which the skin is a dot
     yield from blender.show_tab("Lappet")
+    yield from blender.move(blender.within(0.4, 0.5))
+    yield from blender.key("HOME")
+    yield 1.0
+    yield from blender.screenshot("home")
+    skin = import_module(f"{MODULE}.display.skin_display").skin_object(scene)
+    corners = [blender.at(skin.matrix_world @ Vector(corner)) for corner in skin.bound_box]
+    across = (max(x for x, _ in corners) - min(x for x, _ in corners)) / blender.region().width
+    blender.expect(across > 0.3, f"Home frames the skin, and not the stage's paper: {across:.2f} of the view")
+    shown = [each.name for each in scene.objects if each.name == "Backdrop" and each.visible_get()]
+    blender.expect(bool(shown), "the paper is still there")
+    with blender.override():
+        bpy.ops.view3d.view_camera()
     yield from blender.screenshot("first_script_window")
 
 

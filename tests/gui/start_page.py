@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from importlib import import_module
 from pathlib import Path
 
@@ -22,6 +23,7 @@ def scenario(blender: Driver) -> Steps:
         filepath=os.environ["LAPPET_ZIP"], repo="user_default", enable_on_install=True
     )
     yield 0.5
+    yield from at_home(blender)
     blender.expect(bpy.ops.lappet.template_install() == {"FINISHED"}, "the template is installed")
     templates = [Path(each).name for each in bpy.utils.app_template_paths()]
     blender.notes["template folders"] = templates
@@ -31,6 +33,36 @@ def scenario(blender: Driver) -> Steps:
     yield from first_file(blender)
     yield from assets(blender)
     yield from plate(blender)
+
+
+def named() -> list[str]:
+    """The asset libraries that the preferences name."""
+    return [each.name for each in bpy.context.preferences.filepaths.asset_libraries]
+
+
+def at_home(blender: Driver) -> Steps:
+    """Enabled, the extension names its library and offers its template; disabled, it leaves no trace."""
+    blender.notes["libraries before"] = before = [each for each in named() if each != "Lappet"]
+    began = time.monotonic()
+    yield from blender.wait_until(lambda: "Lappet" in named(), 30.0, "the asset library names itself when enabled")
+    blender.notes["seconds until the library is there"] = round(time.monotonic() - began, 1)
+    yield from blender.show_tab("Lappet")
+    yield from blender.screenshot("offer")
+    bpy.ops.preferences.addon_disable(module=MODULE)
+    yield 0.5
+    blender.expect(named() == before, f"disabled, the extension leaves the libraries as they were: {named()}")
+    bpy.ops.preferences.addon_enable(module=MODULE)
+    began = time.monotonic()
+    yield from blender.wait_until(lambda: "Lappet" in named(), 10.0, "enabled again, it is there at once")
+    blender.notes["seconds when it is written already"] = round(time.monotonic() - began, 1)
+    with blender.override():
+        bpy.ops.lappet.assets_remove()
+    bpy.ops.preferences.addon_disable(module=MODULE)
+    bpy.ops.preferences.addon_enable(module=MODULE)
+    yield 3.0
+    blender.notes["after it was taken out"] = named()
+    blender.expect(bpy.ops.lappet.assets_install() == {"FINISHED"}, "who wants it back adds it")
+    yield 0.3
 
 
 def first_file(blender: Driver) -> Steps:
@@ -51,9 +83,7 @@ def first_file(blender: Driver) -> Steps:
 
 def assets(blender: Driver) -> Steps:
     """The library in the asset browser."""
-    blender.expect(bpy.ops.lappet.assets_install() == {"FINISHED"}, "the library is written")
-    names = [each.name for each in bpy.context.preferences.filepaths.asset_libraries]
-    blender.expect("Lappet" in names, f"the preferences name it: {names}")
+    blender.expect("Lappet" in named(), f"the preferences name it in the template too: {named()}")
     area = blender.area("DOPESHEET_EDITOR")
     area.ui_type = "ASSETS"
     yield 1.0
@@ -97,6 +127,9 @@ def one_of_each(blender: Driver, library: str) -> Steps:
     yield from drop("instrument", "landmark")
     blender.expect(len(events) == count + 1 and events[-1].kind == "LANDMARK", "a landmark is placed")
     yield from drop("material", "fat")
+    yield from drop("material", "fat")
+    names = [each.name for each in scene.lappet.materials]
+    blender.expect("fat_2" not in names, f"one that is there already is used: {names}")
     blender.expect(scene.lappet.tissue.material.startswith("fat"), f"a material: {scene.lappet.tissue.material}")
     plates = len(scene.lappet.pages)
     yield from drop("plate", "steps")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from . import display_operators, look_panel, skin_handlers
+from . import display_operators, frame_all, look_panel, skin_handlers
 
-CLASSES = (*display_operators.CLASSES, *look_panel.CLASSES)
+CLASSES = (*display_operators.CLASSES, *frame_all.CLASSES, *look_panel.CLASSES)
 
 
 def register() -> None:
-    """Add operators, panels and handlers."""
+    """Add operators, panels, handlers and a key."""
     skin_handlers.register()
+    frame_all.register()
 
 
 def unregister() -> None:
     """Take them away."""
+    frame_all.unregister()
     skin_handlers.unregister()

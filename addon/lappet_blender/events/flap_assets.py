@@ -7,6 +7,7 @@ An asset is the plan of a design at its defaults, as lines. Dragging it places t
 from __future__ import annotations
 
 import uuid
+from collections.abc import Mapping
 from pathlib import Path
 
 import bpy
@@ -27,16 +28,23 @@ _CATALOG = "Lappet/Flaps"
 _NAMESPACE = uuid.UUID("6f3c1a2e-0d57-4b3c-9a55-3f0c1d0f8b11")  # of the catalog's identifier, the same everywhere
 
 
-def write_library(folder: Path, mm: float) -> Path:
+def plan_pictures() -> dict[str, NDArray[np.float32]]:
+    """A picture of each design's plan, by the design's name; touches nothing of Blender's."""
+    return {design.name: _picture(flap_plan(design)) for design in DESIGNS.values()}
+
+
+def write_library(folder: Path, mm: float, pictures: Mapping[str, NDArray[np.float32]] | None = None) -> Path:
     """Write the asset library, a .blend and its catalog, and return the .blend.
 
     mm: millimeters per unit of the scenes that it is for. Blender drags an object as large as its numbers say.
+    pictures: as of `plan_pictures`, None to draw them here.
     """
+    drawn_plans = plan_pictures() if pictures is None else pictures
     folder.mkdir(parents=True, exist_ok=True)
     catalog = str(uuid.uuid5(_NAMESPACE, _CATALOG))
     lines = ["VERSION 1", "", f"{catalog}:{_CATALOG}:{_CATALOG.replace('/', '-')}", ""]
     (folder / CATALOGS).write_text("\n".join(lines), encoding="utf-8")
-    made = [_asset(design, catalog, mm) for design in DESIGNS.values()]
+    made = [_asset(design, catalog, mm, drawn_plans[design.name]) for design in DESIGNS.values()]
     file = folder / FILE
     try:
         bpy.data.libraries.write(str(file), set(made), fake_user=True, compress=True)
@@ -61,7 +69,16 @@ def size_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     return round(scale * mm_per_unit(scene) / float(obj.get(UNIT, 1.0)), 4)
 
 
-def _asset(design: LibraryDesign, catalog: str, mm: float) -> bpy.types.Object:
+def suit_unit(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
+    """Scale a plan that was just dropped to the scene's unit: true to size, whatever the library was written for."""
+    factor = float(obj.get(UNIT, 1.0)) / mm_per_unit(scene)
+    if abs(factor - 1.0) < 1e-6:
+        return False
+    obj.scale = [each * factor for each in obj.scale]
+    return True
+
+
+def _asset(design: LibraryDesign, catalog: str, mm: float, pixels: NDArray[np.float32]) -> bpy.types.Object:
     curve = bpy.data.curves.new(design.title, "CURVE")
     curve.dimensions = "3D"
     plan = flap_plan(design)
@@ -79,7 +96,7 @@ def _asset(design: LibraryDesign, catalog: str, mm: float) -> bpy.types.Object:
     obj.asset_data.tags.new("flap")
     preview = obj.preview_ensure()
     preview.image_size = (SIZE, SIZE)
-    preview.image_pixels_float[:] = _picture(plan).ravel().tolist()
+    preview.image_pixels_float[:] = pixels.ravel().tolist()
     return obj
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import bpy
 
@@ -42,6 +43,15 @@ def material_values(scene: bpy.types.Scene) -> tuple[Material, ...]:
             )
         )
     return tuple(found)
+
+
+def find_material(scene: bpy.types.Scene, wanted: Material) -> str | None:
+    """The name of a material of the scene that has the values of one, whatever that is called; None for none."""
+    numbers = {name: decimal(getattr(wanted, name)) for name in _NUMBERS}  # as the scene's properties give them back
+    numbers["fiber_dispersion"] = _third("fiber_dispersion", numbers["fiber_dispersion"])
+    vectors = {name: decimals(getattr(wanted, name)) for name in ("fiber_direction", "prestretch")}
+    kept = replace(wanted, **numbers, **vectors)  # type: ignore[arg-type]
+    return next((each.name for each in material_values(scene) if replace(each, name=wanted.name) == kept), None)
 
 
 def _third(name: str, value: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import bpy
@@ -14,6 +15,8 @@ from lappet.geometry.mesh_faults import refuse_unreadable
 
 from .mesh_values import GROUP
 from .units import mm_per_unit
+
+_SHARP = math.radians(50.0)  # of the angle between faces: from here on an edge is seen as one
 
 
 def mesh_object(
@@ -47,6 +50,7 @@ def mesh_object(
         inside[faces] = True
         mesh.attributes.new(GROUP + group, "BOOLEAN", "FACE").data.foreach_set("value", inside)
     mesh.update(calc_edges=True)
+    mesh.set_sharp_from_angle(angle=_SHARP)  # smooth over the rim, skin would darken towards it in jags
     obj = bpy.data.objects.new(name, mesh)
     obj.scale = [1.0 / mm_per_unit(scene)] * 3
     collection.objects.link(obj)

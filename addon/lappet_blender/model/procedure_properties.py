@@ -295,6 +295,11 @@ class LappetSolving(bpy.types.PropertyGroup):
         description="Keep solved frames in a folder beside the .blend file instead of the user's cache",
         default=False,
     )
+    when_opened: BoolProperty(
+        name="Solve When Opened",
+        description="Solve what is not solved yet when this file is opened, as the files of the gallery do",
+        default=False,
+    )
     last_plan: StringProperty(
         name="Last manifest", description="Key of the manifest shown when the file was saved", options={"HIDDEN"}
     )

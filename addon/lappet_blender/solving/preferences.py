@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import BoolProperty, StringProperty
 
 from ..interface.sentence_lines import draw_sentence
 from ..interface.sidebar_panel import with_fields
@@ -41,6 +41,13 @@ class LappetPreferences(bpy.types.AddonPreferences):
         name="Command Line",
         description="The installed program lappet, which draws plates and films; empty for the one on the search path",
         subtype="FILE_PATH",
+    )
+
+    offers_assets: BoolProperty(
+        name="Offer Asset Library",
+        description="Blender's asset browser shows Lappet's library while the extension is enabled",
+        default=True,
+        options={"HIDDEN"},
     )
 
     def draw(self, context: bpy.types.Context) -> None:

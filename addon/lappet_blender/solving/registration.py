@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from . import controller, live_operator, preferences, reconcile, scene_watch, solve_operators, solve_panel, solve_timer
+from . import (
+    controller,
+    live_operator,
+    opened_files,
+    preferences,
+    reconcile,
+    scene_watch,
+    solve_operators,
+    solve_panel,
+    solve_timer,
+)
 
 CLASSES = (*preferences.CLASSES, *solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
 
@@ -10,6 +20,7 @@ CLASSES = (*preferences.CLASSES, *solve_operators.CLASSES, *live_operator.CLASSE
 def register() -> None:
     """Add operators, panels, handlers and the timer."""
     scene_watch.register()
+    opened_files.register()  # after the watch has read them
     solve_timer.register()
     reconcile.warm_up()
 
@@ -17,5 +28,6 @@ def register() -> None:
 def unregister() -> None:
     """Take them away again and end every worker."""
     solve_timer.unregister()
+    opened_files.unregister()
     scene_watch.unregister()
     controller.frame_cache.close()

@@ -70,7 +70,7 @@ class LAPPET_PT_solve_settings(SidebarPanel, bpy.types.Panel):
         row = layout.row()
         row.enabled = solving.self_contact
         row.prop(solving, "friction")
-        for name in ("error_estimate", "threads"):
+        for name in ("error_estimate", "threads", "when_opened"):
             layout.prop(solving, name)
         row = layout.row()
         row.enabled = bool(bpy.data.filepath) or solving.beside_file

@@ -12,14 +12,14 @@ from bpy.props import StringProperty
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
+from ..events.flap_assets import DESIGN, suit_unit
 from ..interface.operator_base import NO_UNDO, OperatorBase
-from ..model.units import mm_per_unit
 from ..solving.chosen_daemon import ADDON
-from .asset_library import LIBRARY, TAG, is_registered, register_library, unregister_library, write_assets
+from . import asset_home
+from .asset_home import assets_folder, put_assets, want_assets
+from .asset_library import LIBRARY, TAG, is_registered, register_library, unregister_library
 from .taken_assets import stands_for, take_up
 from .template_files import NAME, is_written, remove_template, write_template
-
-_MM = 1.0  # millimeters per unit of the template's scenes
 
 
 class LAPPET_OT_template_install(OperatorBase, bpy.types.Operator):
@@ -59,14 +59,14 @@ class LAPPET_OT_assets_install(OperatorBase, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> str:
         folder = Path(self.directory or assets_folder())
-        scene = context.scene
-        count = write_assets(folder, mm_per_unit(scene) if scene is not None else _MM)
+        count = put_assets(folder)
         register_library(context.preferences, folder)
+        want_assets(context.preferences, True)
         return f"The asset browser shows {count} assets as {LIBRARY}."
 
 
 class LAPPET_OT_assets_remove(OperatorBase, bpy.types.Operator):
-    """Take the asset library out of Blender's preferences; its files stay"""
+    """Take the asset library out of Blender's preferences, for good; its files stay"""
 
     bl_label = "Remove Asset Library"
     bl_options = NO_UNDO
@@ -77,6 +77,7 @@ class LAPPET_OT_assets_remove(OperatorBase, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         unregister_library(context.preferences)
+        want_assets(context.preferences, False)
 
 
 class LAPPET_OT_asset_take_up(OperatorBase, bpy.types.Operator):
@@ -98,21 +99,24 @@ class LAPPET_OT_asset_take_up(OperatorBase, bpy.types.Operator):
         return take_up(context, obj)
 
 
-def assets_folder() -> str:
-    """The folder of the library in the extension's own."""
-    try:
-        return str(bpy.utils.extension_path_user(ADDON, path="assets", create=True))
-    except ValueError:  # not installed as an extension
-        return str(bpy.utils.user_resource("DATAFILES", path="lappet_assets", create=True))
-
-
 @persistent  # type: ignore[untyped-decorator]
 def _imported(context: Any, *_: object) -> None:
     """Something was appended: what of it stands for an act is taken up once Blender has placed it."""
     if bpy.app.background:
         return
-    if any(getattr(item, "id", None) is not None and TAG in item.id for item in context.import_items):
-        bpy.app.timers.register(take_up_dropped, first_interval=0.05)
+    brought = [each.id for each in context.import_items if getattr(each, "id", None) is not None]
+    plans = [each.name for each in brought if DESIGN in each]
+    if plans or any(TAG in each for each in brought):
+        bpy.app.timers.register(lambda: _placed(plans), first_interval=0.05)
+
+
+def _placed(plans: list[str]) -> None:
+    """Blender has placed what was dropped. plans: the names of plans of flaps among it."""
+    scene = bpy.context.scene
+    for obj in (scene.objects.get(name) for name in plans) if scene is not None else ():
+        if obj is not None:
+            suit_unit(scene, obj)
+    take_up_dropped()
 
 
 def take_up_dropped() -> None:
@@ -130,13 +134,15 @@ def take_up_dropped() -> None:
 
 
 def register() -> None:
-    """Listen for what is dropped."""
+    """Listen for what is dropped, and offer the library."""
+    asset_home.register()
     if hasattr(bpy.app.handlers, "blend_import_post"):
         bpy.app.handlers.blend_import_post.append(_imported)
 
 
 def unregister() -> None:
     """Listen no more."""
+    asset_home.unregister()
     if hasattr(bpy.app.handlers, "blend_import_post") and _imported in bpy.app.handlers.blend_import_post:
         bpy.app.handlers.blend_import_post.remove(_imported)
 

@@ -12,9 +12,11 @@ from mathutils.bvhtree import BVHTree
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.triangles import barycentric
+from lappet.tissue.presets import PRESETS
 
 from ..interface.operator_base import last_refusal
 from ..model.event_kinds import SEWN_KINDS, THREAD_OF
+from ..model.material_values import find_material
 from ..model.units import mm_per_unit
 from ..tools.shown_surface import Located, shown_surface
 from .asset_items import AssetItem, item_of
@@ -50,8 +52,13 @@ def _material(context: bpy.types.Context, item: AssetItem, _place: Vector) -> st
     procedure = context.scene.lappet
     if procedure.tissue.object is None:
         raise refused(ProblemCode.TISSUE_NONE)
-    _run(bpy.ops.lappet.material_add, preset=item.name.upper())
-    procedure.tissue.material = procedure.materials[procedure.active_material].name
+    same = find_material(context.scene, PRESETS[item.name].material)
+    if same is None:
+        _run(bpy.ops.lappet.material_add, preset=item.name.upper())
+        procedure.tissue.material = procedure.materials[procedure.active_material].name
+    else:  # a second one of the same values would be a copy that nobody asked for
+        procedure.active_material = procedure.materials.find(same)
+        procedure.tissue.material = same
     return f"The tissue is of {procedure.tissue.material}."
 
 

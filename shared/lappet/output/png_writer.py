@@ -1,4 +1,4 @@
-"""Write a picture as a PNG file (ISO/IEC 15948): eight bits for each of red, green and blue, no filter."""
+"""Pictures as PNG (ISO/IEC 15948): eight bits for each of red, green and blue, no filter."""
 
 from __future__ import annotations
 
@@ -27,6 +27,22 @@ def write_png(picture: NDArray[np.uint8], path: Path) -> None:
     OSError
         If the file cannot be written.
     """
+    write_whole(path, png_bytes(picture))
+
+
+def png_bytes(picture: NDArray[np.uint8]) -> bytes:
+    """Encode a picture.
+
+    Parameters
+    ----------
+    picture
+        Red, green and blue of each pixel from the top left on, shape (height, width, 3).
+
+    Returns
+    -------
+    bytes
+        What the file holds.
+    """
     height, width, _ = picture.shape
     rows = np.concatenate([np.zeros((height, 1), np.uint8), picture.reshape(height, 3 * width)], axis=1)
 
@@ -35,4 +51,4 @@ def write_png(picture: NDArray[np.uint8], path: Path) -> None:
 
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     body = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b"")
-    write_whole(path, b"\x89PNG\r\n\x1a\n" + body)
+    return b"\x89PNG\r\n\x1a\n" + body
