@@ -132,10 +132,10 @@ def write_blends(jobs: list[dict[str, Any]]) -> None:
     import lappet_blender
 
     lappet_blender.register()
-    bpy.context.preferences.filepaths.save_version = 0  # no file of before beside it
     by_name = {each.name: each for each in recipes()}
     for job in jobs:
         bpy.ops.wm.read_factory_settings()  # with its windows, which a file brings along
+        bpy.context.preferences.filepaths.save_version = 0  # no file of before beside the new one
         for data in (bpy.data.objects, bpy.data.collections, bpy.data.materials, bpy.data.lights, bpy.data.cameras):
             bpy.data.batch_remove(list(data))
         bpy.data.orphans_purge(do_recursive=True)

@@ -76,7 +76,9 @@ def test_a_page_of_the_site_links_to_the_projects_that_there_are() -> None:
 def test_a_project_holds_the_procedure_the_page_and_a_camera_that_sees_it_and_no_path_of_this_computer(
     tmp_path: Path,
 ) -> None:
+    (tmp_path / "v_y.blend").write_bytes(b"of before")
     (made,) = write_gallery_blends(tmp_path, ["v_y"])
+    assert [file.name for file in tmp_path.iterdir()] == ["v_y.blend"]
     assert made.stat().st_size < 3_000_000
     paths = os.pathsep.join([str(ROOT / "shared"), str(ROOT / "addon"), os.environ.get("PYTHONPATH", "")])
     call = [sys.executable, "-c", LOOK, str(made)]
