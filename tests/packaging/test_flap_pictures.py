@@ -58,7 +58,7 @@ def test_a_run_on_models_alone_keeps_every_row_of_the_patch_and_its_spacing() ->
     ]
 
 
-def test_rows_with_self_contact_are_kept_beside_those_without_and_give_the_picture_where_they_came_to_their_end() -> None:
+def test_rows_with_self_contact_stay_beside_the_others_and_give_the_picture_where_they_came_to_their_end() -> None:
     rows = [{"name": "cheek_limberg"}, {"name": "nose_bilobed"}]
     both = merged(run("a", "limberg"), {**run("b"), "model_rows": rows})
     assert without_contact(both) == {"cheek_limberg", "nose_bilobed"}

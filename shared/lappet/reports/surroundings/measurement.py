@@ -38,12 +38,14 @@ class SurroundingsRow:
         The model that it is on; empty for a procedure's own tissue.
     free_mm, free_rms_mm
         Greatest and root mean square distance in mm between the scar with the rim free and held.
+    held_mn, free_mn
+        Force of the sutures that are resolved in all of the solves, in mN, with the rim held and free.
     reach
         How many times as far as usual the wider cut-out reaches; None where there is none.
     wider_mm, wider_rms_mm
-        The same between the wider cut-out, its rim held, and the usual one; None where there is none.
-    held_mn, free_mn, wider_mn
-        Force of the sutures that are resolved in all of them, in mN.
+        Distances in mm between the wider cut-out's scar, its rim held, and the usual one's; None where there is none.
+    wider_mn
+        Force of the same sutures in the wider cut-out in mN; None where there is none.
     problem
         Why something was not solved, a sentence; empty where nothing was in the way. What is missing is None.
     """
