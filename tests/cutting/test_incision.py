@@ -8,11 +8,14 @@ import pytest
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
+from lappet.cutting.incision import cutter
+from lappet.cutting.ribbon import Ribbon
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Incision, Procedure
 from lappet.tissue.patch import UV_SCALE, flat_patch
 from refusals import refuses
+from self_intersection import passes_through_itself
 from surface_measures import areas, assert_closed, euler_number, heights, spherical_cap, volume
 
 TOP = 4.0
@@ -233,3 +236,17 @@ def test_cubic_samples_lie_on_the_curves_of_the_textbook():
 def test_curves_that_cannot_cut_are_refused_by_name(incision, code):
     with refuses(code, "/Procedure/Timeline/cut"):
         cut(incision)
+
+
+@pytest.mark.parametrize("rise", [8.0, -8.0])
+def test_the_two_walls_of_a_cut_that_winds_around_a_finger_do_not_pass_through_each_other(rise: float) -> None:
+    radius, count = 8.0, 20  # a helix, along which the skin's normals turn about the curve
+    turn = np.linspace(0.0, 1.5, count)
+    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), rise * turn])
+    normals = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(count)])
+    ahead = np.column_stack([-radius * np.sin(turn), radius * np.cos(turn), np.full(count, rise)])
+    sides = np.cross(normals, ahead / np.linalg.norm(ahead, axis=1, keepdims=True))
+    along = np.hypot(radius, rise) * turn
+    ribbon = Ribbon(points, normals, sides, np.full(count, 4.0), along, False, float(along[-1]))
+    mesh = cutter(ribbon, 0.05, 0.2, (1, 2, 3)).to_mesh64()
+    assert not passes_through_itself(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))

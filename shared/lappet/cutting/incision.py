@@ -64,7 +64,9 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
         """Two triangles per section between the rails i and j, outward when j follows i around the section."""
         return np.concatenate([np.stack([a + i, b + i, b + j], 1), np.stack([a + i, b + j, a + j], 1)])
 
-    left, right = quads(0, 2), quads(3, 1)
+    # Both walls are divided by the same diagonal: where a wall is twisted, the other two would pass through each other.
+    left = quads(0, 2)
+    right = np.concatenate([np.stack([a + 1, a + 3, b + 3], 1), np.stack([a + 1, b + 3, b + 1], 1)])
     rest = [quads(1, 0), quads(2, 3)]
     if not ribbon.closed:
         z = 4 * (count - 1)
