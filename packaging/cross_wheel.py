@@ -54,18 +54,19 @@ MINGW = ("gcc-mingw-w64-x86-64-posix", "mingw-w64-x86-64-dev")
 ZIG_LICENSES = ("LICENSE", "lib/libcxx/LICENSE.TXT", "lib/libc/glibc/LICENSES")
 
 
-def made(target: str, into: Path, work: Path = WORK) -> Path:
+def made(target: str, into: Path, work: Path = WORK, root: Path = ROOT) -> Path:
     """Make the wheel for a target in the folder `into`.
 
-    target: a key of TARGETS. work: the folder of packaging/cross/build.sh. Raises FileNotFoundError where that has not
-    run, and CalledProcessError where the sources do not make a wheel; pip has printed why.
+    target: a key of TARGETS. work: the folder of packaging/cross/build.sh. root: the sources' folder. Raises
+    FileNotFoundError where build.sh has not run, and CalledProcessError where the sources do not make a wheel; pip has
+    printed why.
     """
     for path in programs(target, work):
         if not path.is_file():
             raise FileNotFoundError(f"{path} is missing; run packaging/cross/build.sh {target} first.")
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation"]
-        command += ["--config-settings=wheel.cmake=false", "--wheel-dir", folder, str(ROOT)]
+        command += ["--config-settings=wheel.cmake=false", "--wheel-dir", folder, str(root)]
         subprocess.run(command, check=True)
         (plain,) = Path(folder).glob("lappet-*.whl")
         return edited(plain, into, lambda unpacked: _add_daemon(unpacked, target, work))

@@ -79,7 +79,23 @@ def for_extension(wheel: Path, into: Path) -> Path:
             bill.write_text(sbom.text(of_told), encoding="utf-8")
         metadata.rename(folder / f"lappet-{told}.dist-info")
 
-    return edited(wheel, into, strip)
+    made = edited(wheel, into, strip)
+    _compress_harder(made)
+    return made
+
+
+def _compress_harder(wheel: Path) -> None:
+    """Compress the programs and libraries in a wheel by LZMA, which takes 40 % less than what pip's wheels have.
+
+    For Blender alone, which unpacks wheels with Python's zipfile, on every system a Python that has LZMA.
+    """
+    smaller = wheel.with_suffix(".smaller")
+    with zipfile.ZipFile(wheel) as before, zipfile.ZipFile(smaller, "w") as after:
+        for old in before.infolist():
+            data = before.read(old)
+            method = zipfile.ZIP_LZMA if sbom.is_native(data[:4]) else old.compress_type
+            after.writestr(_entry(old, method, old.external_attr), data)
+    smaller.replace(wheel)
 
 
 def valid_tags(tool: Path) -> Path:
@@ -156,9 +172,14 @@ def _settle(built: Path, made: Path) -> None:
     """Write a zip anew in the order of its names, without times and rights: the same files make the same bytes."""
     with zipfile.ZipFile(built) as before, zipfile.ZipFile(made, "w") as after:
         for old in sorted(before.infolist(), key=lambda each: each.filename):
-            entry = zipfile.ZipInfo(old.filename)  # of 1980
-            entry.compress_type, entry.external_attr, entry.create_system = old.compress_type, 0o644 << 16, 3
-            after.writestr(entry, before.read(old), compresslevel=9)
+            after.writestr(_entry(old, old.compress_type, 0o644 << 16), before.read(old), compresslevel=9)
+
+
+def _entry(old: zipfile.ZipInfo, method: int, rights: int) -> zipfile.ZipInfo:
+    """The head of a file as a zip of every build has it: of 1980, and as if made on Linux."""
+    entry = zipfile.ZipInfo(old.filename)
+    entry.compress_type, entry.external_attr, entry.create_system = method, rights, 3
+    return entry
 
 
 def outdated() -> list[str]:

@@ -101,7 +101,9 @@ def edited(wheel: Path, into: Path, edit: Callable[[Path], None]) -> Path:
         subprocess.run([*call, "unpack", "--dest", work, str(wheel)], check=True, stdout=subprocess.DEVNULL)
         (folder,) = Path(work).iterdir()
         edit(folder)
-        # The earliest time that a zip can hold: the same files make the same wheel.
+        # Rights that no umask changes, and the earliest time that a zip can hold: the same files make the same wheel.
+        for path in folder.rglob("*"):
+            path.chmod(0o755 if path.is_dir() or path.stat().st_mode & 0o100 else 0o644)
         environment = {**os.environ, "SOURCE_DATE_EPOCH": "315532800"}
         subprocess.run(
             [*call, "pack", "--dest-dir", str(into), str(folder)],

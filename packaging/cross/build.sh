@@ -203,7 +203,8 @@ daemon() {
         refuse "cmake failed; see build/cross/$target/daemon.log."
     cmake --build "$build" --parallel "$jobs" --target "${targets[@]}"
     if [ "$target" = windows-x64 ]; then
-        x86_64-w64-mingw32-strip -o "$work/bin/lappet-solverd.exe" "$build/solverd/lappet-solverd.exe"
+        # with the time that the linker wrote, which is none: two builds are the same
+        x86_64-w64-mingw32-strip --preserve-dates -o "$work/bin/lappet-solverd.exe" "$build/solverd/lappet-solverd.exe"
     else  # the linker left the symbols out
         cp "$build/solverd/lappet-solverd" "$work/bin/"
     fi

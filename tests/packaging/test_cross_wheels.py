@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
+import shutil
 import struct
 import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -13,6 +17,7 @@ from mach_o import MachO, page_hashes
 from test_sbom import check_schema
 
 import cross_wheel
+import lappet_wheel
 import sbom
 
 pytestmark = pytest.mark.slow
@@ -49,6 +54,39 @@ def test_a_wheel_has_the_program_with_its_library_and_the_licenses_of_all_of_it(
     check_schema(bill)
     texts = {Path(name).stem for name in names if "/licenses/libraries/" in name}
     assert {one.name for one in cross_wheel.linked(target)} <= texts
+
+
+@pytest.mark.timeout(300)
+def test_two_checkouts_make_the_same_wheel_and_source_distribution_from_one_daemon(tmp_path: Path) -> None:
+    """Wherever they lie, whatever the times and rights of their files are, and with what Python left in them."""
+    target = next(
+        (each for each in sorted(cross_wheel.TARGETS) if cross_wheel.programs(each)[0].is_file()), "linux-x64"
+    )
+    needed_programs(target)
+    made = []
+    for place, mask, time in (("a", 0o002, 1.6e9), ("another/deeper", 0o077, 1.7e9)):
+        root = tmp_path / place
+        for name in lappet_wheel.FOLDERS:
+            shutil.copytree(cross_wheel.ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+        for name in lappet_wheel.FILES:
+            shutil.copy(cross_wheel.ROOT / name, root / name)
+        for path in root.rglob("*"):
+            if path.is_file():
+                path.chmod((0o777 if path.stat().st_mode & 0o100 else 0o666) & ~mask)
+                os.utime(path, (time, time))
+        cached = root / "shared" / "lappet" / "__pycache__" / "of.cpython-311.pyc"
+        cached.parent.mkdir()
+        cached.write_text(place)
+        before = os.umask(mask)
+        try:
+            wheel = cross_wheel.made(target, root / "wheel", root=root)
+            call = "from scikit_build_core.build import build_sdist; build_sdist('sources')"
+            subprocess.run([sys.executable, "-c", call], cwd=root, check=True, capture_output=True)
+        finally:
+            os.umask(before)
+        (sources,) = (root / "sources").glob("lappet-*.tar.gz")
+        made.append([hashlib.sha256(path.read_bytes()).hexdigest() for path in (wheel, sources)])
+    assert made[0] == made[1]
 
 
 @pytest.mark.parametrize("target", ["linux-arm64", "linux-x64"])

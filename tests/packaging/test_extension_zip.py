@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import csv
 import dataclasses
+import hashlib
 import json
 import os
 import re
@@ -18,6 +21,7 @@ import numpy as np
 import pytest
 
 import extension
+import lappet_wheel
 import locked
 import pypi_wheels
 import system_versions
@@ -44,8 +48,11 @@ RUN_TIME = re.compile(
 # --- the parts -----------------------------------------------------------------------------------------------------
 
 
-def small_wheel(folder: Path, tag: str, **more: str) -> Path:
-    """A wheel of `lappet` with the add-on in it, as scikit-build-core would tag it; more: modules and their text."""
+def small_wheel(folder: Path, tag: str, rights: int = 0o644, time: float = 1e9, **more: str) -> Path:
+    """A wheel of `lappet` with the add-on in it, as scikit-build-core would tag it; more: modules and their text.
+
+    rights, time: of its files, the time in seconds since 1970.
+    """
     version = extension.project_version()
     info = f"lappet-{version}.dist-info"
     files = {
@@ -60,6 +67,8 @@ def small_wheel(folder: Path, tag: str, **more: str) -> Path:
     for name, text in files.items():
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
         (tree / name).write_text(text)
+        (tree / name).chmod(rights)
+        os.utime(tree / name, (time, time))
     pack = [sys.executable, "-m", "wheel", "pack", "--dest-dir", str(folder), str(tree)]
     subprocess.run(pack, check=True, capture_output=True)
     (made,) = folder.glob("lappet-*.whl")
@@ -124,9 +133,9 @@ def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path)
 
 def test_two_builds_of_the_same_files_give_the_same_bytes(tmp_path: Path) -> None:
     """Whenever they are built, by whomever, and in whatever order a folder lists its files."""
-    wheel = small_wheel(tmp_path, "win_amd64")
     made = []
     for name, order, mask in (("a", 1, 0o022), ("b", -1, 0o077)):
+        wheel = small_wheel(tmp_path / name, "win_amd64", rights=0o666 & ~mask, time=1e9 + order * 1e6)
         addon = tmp_path / name / "addon"
         for folder in (extension.ADDON, extension.ADDON / "start"):
             (addon / folder.relative_to(extension.ADDON)).mkdir(parents=True, exist_ok=True)
@@ -149,6 +158,26 @@ def test_two_builds_of_one_version_differ_in_the_wheels_version(tmp_path: Path) 
     again = extension.for_extension(first, tmp_path / "again")
     assert extension.for_extension(first, tmp_path / "first").read_bytes() == again.read_bytes()
     assert extension.for_extension(changed, tmp_path / "other").name != again.name
+
+
+def test_the_programs_in_the_zips_wheel_take_less_room_and_unpack_to_the_same_files(tmp_path: Path) -> None:
+    plain = small_wheel(tmp_path, "win_amd64")
+    program = b"\x7fELF" + b"".join(index.to_bytes(4, "little") for index in range(50_000))
+    with_program = lappet_wheel.edited(
+        plain, tmp_path / "more", lambda folder: (folder / "lappet/bin/lappet-solverd").write_bytes(program) and None
+    )
+    with zipfile.ZipFile(with_program) as before:
+        room = before.getinfo("lappet/bin/lappet-solverd").compress_size
+    with zipfile.ZipFile(extension.for_extension(with_program, tmp_path / "made")) as after:
+        assert after.testzip() is None
+        assert after.read("lappet/bin/lappet-solverd") == program
+        assert after.getinfo("lappet/bin/lappet-solverd").compress_size < 0.8 * room
+        (record,) = (name for name in after.namelist() if name.endswith("/RECORD"))
+        for name, digest, _ in csv.reader(after.read(record).decode().splitlines()):
+            if digest:
+                found = base64.urlsafe_b64encode(hashlib.sha256(after.read(name)).digest()).rstrip(b"=").decode()
+                assert digest == f"sha256={found}", name
+        assert {row[0] for row in csv.reader(after.read(record).decode().splitlines())} == set(after.namelist())
 
 
 @pytest.mark.parametrize(("platform", "tag"), [("macos-arm64", "macosx_11_0_x86_64"), ("linux-x64", "linux_x86_64")])
