@@ -168,8 +168,8 @@ def _beyond_the_rim(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         "apart is taken for the most that the cut-out leaves out. To try whether it is, `--reach` solves the model a "
         "third time with tissue that reaches farther (`lappet models new NAME --reach`), its rim held again. "
         "Distances are greatest ones between the scars of the last frame, forces those of all sutures that every one "
-        "of the three resolves; nothing says that they lie between the others, and those of the neck, whose scar contracts "
-        "by itself, do not.",
+        "of the three resolves; nothing says that they lie between the others, and those of the neck, whose scar "
+        "contracts by itself, do not.",
         "",
         surroundings_table([SurroundingsRow(**row) for row in rows]),
     ]

@@ -40,6 +40,8 @@ class Button:
 class Layout:
     """A layout that writes down what is drawn and refuses what does not exist."""
 
+    operator_context = "INVOKE_DEFAULT"  # Blender sets it between what a panel and what is hung into it draws
+
     def __init__(self, drawn: list[Any]) -> None:
         self.__dict__["drawn"] = drawn
 
@@ -50,6 +52,9 @@ class Layout:
         return Layout(self.drawn)
 
     row = column = box = split = _part
+
+    def separator(self) -> None:
+        pass
 
     def label(self, text: str = "", icon: str = "NONE") -> None:
         self.drawn.append(text)
@@ -81,7 +86,10 @@ class Layout:
 def draw(panel: type, scene: bpy.types.Scene) -> list[Any]:
     """What a panel draws."""
     drawn: list[Any] = []
-    context = SimpleNamespace(scene=scene, region=None, preferences=None, view_layer=bpy.context.view_layer)
+    blender = bpy.context
+    context = SimpleNamespace(
+        scene=scene, region=None, preferences=None, view_layer=blender.view_layer, workspace=blender.workspace
+    )
     panel.draw(SimpleNamespace(layout=Layout(drawn)), context)
     return drawn
 
@@ -96,8 +104,13 @@ def said(drawn: list[Any]) -> str:
     return " ".join(each for each in drawn if isinstance(each, str))
 
 
-def test_a_scene_without_tissue_offers_to_make_some(scene: bpy.types.Scene) -> None:
-    assert buttons(draw(LAPPET_PT_tissue, scene)) == ["lappet.tissue_set", *2 * ["lappet.tissue_take_field"]]
+@pytest.mark.parametrize("has_template", [False, True])
+def test_a_scene_without_tissue_offers_to_make_some_and_the_template_until_it_is_there(
+    scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch, has_template: bool
+) -> None:
+    monkeypatch.setattr("lappet_blender.start.template_offer.is_written", lambda: has_template)
+    offers = ["lappet.tissue_set", *2 * ["lappet.tissue_take_field"], *["lappet.template_install"] * (not has_template)]
+    assert buttons(draw(LAPPET_PT_tissue, scene)) == offers
     add_box(scene)
     button, *_ = draw(LAPPET_PT_tissue, scene)
     assert button.text == "Make block the Tissue"

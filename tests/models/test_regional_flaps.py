@@ -54,7 +54,7 @@ def test_without_the_package_an_operation_is_refused(tmp_path: Path, monkeypatch
 @pytest.mark.parametrize("name", ["cheek_limberg", "upper_eyelid", "nose_bilobed", "cleft_lip_millard"])
 def test_the_commands_on_a_designs_page_make_its_operation(name: str, tmp_path: Path) -> None:
     """By the lines of the skin, with targets of the body's shape, mirrored, and without weight."""
-    text = "\n".join(model_sections(REGIONAL_FLAPS[name].design, {}))
+    text = "\n".join(model_sections(REGIONAL_FLAPS[name].design, {}, {}))
     section = text.partition(f"## On {REGIONAL_FLAPS[name].place}\n")[2].partition("\n## ")[0]
     commands = section.split("```")[1].strip().splitlines()
     runner = CliRunner()

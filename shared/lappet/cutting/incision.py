@@ -22,6 +22,9 @@ from lappet.tissue.rest_skin import RestSkin
 __all__ = ["cut", "cutter", "fragments", "incise", "tidy"]
 
 _WALL = Label(FaceOrigin.WOUND_WALL)
+# Share of the kerf by which a quad of a wall is out of its plane from where on both walls are divided by the same
+# diagonal (chosen): by different ones they would pass through each other. Flat quads have no diagonal that shows.
+_TWISTED = 0.01
 
 
 def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int]) -> manifold3d.Manifold:
@@ -64,9 +67,9 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
         """Two triangles per section between the rails i and j, outward when j follows i around the section."""
         return np.concatenate([np.stack([a + i, b + i, b + j], 1), np.stack([a + i, b + j, a + j], 1)])
 
-    # Both walls are divided by the same diagonal: where a wall is twisted, the other two would pass through each other.
-    left = quads(0, 2)
-    right = np.concatenate([np.stack([a + 1, a + 3, b + 3], 1), np.stack([a + 1, b + 3, b + 1], 1)])
+    left, right = quads(0, 2), quads(3, 1)
+    twisted = np.tile(_out_of_plane(position[:, 1::2]) > _TWISTED * kerf, 2)
+    right[twisted] = np.concatenate([np.stack([a + 1, a + 3, b + 3], 1), np.stack([a + 1, b + 3, b + 1], 1)])[twisted]
     rest = [quads(1, 0), quads(2, 3)]
     if not ribbon.closed:
         z = 4 * (count - 1)
@@ -85,6 +88,14 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
         face_id=np.arange(len(triangles), dtype=np.uint64),  # so that long walls keep their sections
     )
     return manifold3d.Manifold(mesh)
+
+
+def _out_of_plane(rails: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far the quads between two rails, shape (k, 2, 3), are from flat in mm, shape (k - 1,)."""
+    one, other, beside, across = rails[:-1, 0], rails[1:, 0], rails[:-1, 1], rails[1:, 1]
+    normal = np.cross(other - one, beside - one)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    return np.asarray(np.abs(np.einsum("ij,ij->i", normal, across - one)))
 
 
 def cut(
