@@ -35,9 +35,8 @@ def keep_atlas(folder: Path) -> None:
     together = json.dumps(merged(before, results), indent=1, ensure_ascii=False)
     (DOCS / "atlas.json").write_text(together + "\n", encoding="utf-8")
     free = without_contact(merged(before, results))
-    for row in [*results["rows"], *results.get("model_rows", []), *results.get("contact_rows", [])]:
-        if row in results.get("model_rows", []) and row["name"] not in free:
-            continue
+    models = [row for row in results.get("model_rows", []) if row["name"] in free]
+    for row in [*results["rows"], *models, *results.get("contact_rows", [])]:
         plate = Image.open(folder / f"{row['name']}.png").convert("RGB")
         plate.save(PICTURES / f"{row['name']}.jpg", quality=QUALITY, optimize=True)
 

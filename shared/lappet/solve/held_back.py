@@ -21,7 +21,6 @@ SHORT = 1.0
 """Chosen: a hook is short where it ends farther than this many lattice spacings from its target."""
 AROUND = 5.0
 """Chosen: tissue touches near a hook within this many lattice spacings of it."""
-_REACH = 0.05  # spacings: about where self-contact begins (docs/solver.md)
 
 
 class _Short(NamedTuple):
@@ -66,13 +65,18 @@ def _shortest(program: Program, frames: Sequence[FrameResult]) -> dict[str, _Sho
     return found
 
 
+def _reach(spacing: float) -> float:
+    """How far apart in mm surfaces begin to press on each other (docs/solver.md)."""
+    return 0.05 * spacing * max(1.0, spacing)
+
+
 def _touching(program: Program, short: _Short) -> tuple[_Short, int] | None:
     """The vertex nearest to the hook that touches tissue and did not at rest; None where there is none near it."""
     epoch = next(each for each in program.epochs if each.index == short.frame.constraints.epoch)
     points, triangles = np.asarray(short.frame.solved.points, np.float64), epoch.surface.triangles
     away = np.linalg.norm(points - short.at, axis=1)
     near = np.flatnonzero(away < AROUND * program.settings.spacing)
-    ahead = _REACH * program.settings.spacing
+    ahead = _reach(program.settings.spacing)
     for surface, wanted in ((points, True), (np.asarray(epoch.surface.points, np.float64), False)):
         beyond = surface[near] + ahead * vertex_normals(surface, triangles)[near]
         near = near[(winding_numbers(AxisRays(surface, triangles, 2), beyond) > 0) == wanted]

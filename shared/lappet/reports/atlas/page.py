@@ -93,7 +93,10 @@ def flap_page(results: Mapping[str, Any]) -> str:
     rows = {row["name"]: row for row in results["rows"]}
     on_models, contact = ({row["name"]: row for row in results.get(rows, [])} for rows in (MODEL_ROWS, CONTACT_ROWS))
     flat = [_overview(rows, float(results["spacing_mm"])), _runs(results, "runs") + "\n"]
-    return "\n".join([_INTRODUCTION, *flat, model_overview(on_models, contact), _runs(results, "model_runs") + "\n"])
+    models = [model_overview(on_models, contact), _runs(results, "model_runs") + "\n"]
+    if contact:
+        models.append(f"With `--self-contact`: {_runs(results, 'contact_runs')}\n")
+    return "\n".join([_INTRODUCTION, *flat, *models])
 
 
 def _runs(results: Mapping[str, Any], key: str) -> str:
