@@ -34,6 +34,12 @@ for argument in "$@"; do
     esac
 done
 
+# A link leads into another checkout: its editable package would become this one's, its daemon built from these sources.
+for folder in .venv build; do
+    [ -L "$folder" ] && refuse "$root/$folder is a link to $(readlink "$folder")." \
+        "What is set up here would be installed there. Remove the link (rm $folder), then set up again."
+done
+
 # ---- 1. system packages -------------------------------------------------------------------------------------------
 
 wanted_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' packaging/system_packages.txt; }

@@ -61,6 +61,23 @@ def test_the_set_up_refuses_an_unknown_argument() -> None:
     assert "unknown argument '--all'" in done.stderr
 
 
+@pytest.mark.parametrize("name", [".venv", "build"])
+def test_the_set_up_installs_nothing_into_another_checkout_through_a_link(name: str, tmp_path: Path) -> None:
+    other = tmp_path / "other" / name
+    here = tmp_path / "here"
+    for folder in (other, here / "packaging"):
+        folder.mkdir(parents=True)
+    shutil.copy(ROOT / "packaging" / "setup.sh", here / "packaging")
+    (here / name).symlink_to(other, target_is_directory=True)
+    done = subprocess.run(
+        ["bash", str(here / "packaging/setup.sh")], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 1
+    assert f"{here / name} is a link to {other}." in done.stderr
+    assert f"rm {name}" in done.stderr
+    assert not list(other.iterdir())
+
+
 def test_missing_packages_without_root_or_sudo_are_a_sentence(tmp_path: Path) -> None:
     """A copy of the script sees a Debian on which nothing is installed, as a user, with no sudo."""
     (tmp_path / "packaging").mkdir()
