@@ -21,6 +21,7 @@ from lappet.reports.atlas.page import flap_page
 from lappet.reports.atlas.run import run_atlas
 from lappet.reports.literature.rows import ROWS
 from refusals import refuses
+from report_told import Told
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -29,10 +30,15 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The atlas of one design on a coarse lattice, without pictures."""
     path = tmp_path_factory.mktemp("atlas")
-    said: list[str] = []
-    rows, _ = run_atlas(["fusiform"], path, said.append, spacing=2.0, pictures=False)
+    told = Told()
+    rows, _ = run_atlas(["fusiform"], path, told, spacing=2.0, pictures=False)
     assert [row.name for row in rows] == ["fusiform"]
-    assert said
+    assert told.lines == [
+        "1 solves",
+        "fusiform",
+        "24 frames",
+        f"fusiform: 24 of 24 frames converged, {rows[0].seconds:.0f} s.",
+    ]
     return path
 
 
@@ -81,7 +87,7 @@ def test_every_row_of_the_literature_is_on_the_page_of_a_design_or_of_no_design(
 
 def test_a_design_that_the_library_does_not_have_is_refused_before_anything_is_solved(tmp_path: Path) -> None:
     with refuses(ProblemCode.DESIGN_UNKNOWN):
-        run_atlas(["fusiform", "limburg"], tmp_path / "atlas", print)
+        run_atlas(["fusiform", "limburg"], tmp_path / "atlas", Told())
     assert not (tmp_path / "atlas").exists()
 
 
@@ -89,15 +95,16 @@ def test_without_the_models_the_patch_is_solved_and_a_sentence_says_what_is_left
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "models"))
-    said: list[str] = []
-    rows, _ = run_atlas(["upper-lid"], tmp_path / "both", said.append, spacing=4.0, pictures=False)
+    told = Told()
+    rows, _ = run_atlas(["upper-lid"], tmp_path / "both", told, spacing=4.0, pictures=False)
     assert [row.name for row in rows] == ["upper-lid"]
-    assert "lappet models fetch" in said[0]
-    said.clear()
-    run_atlas(["fusiform"], tmp_path / "none", said.append, spacing=4.0, pictures=False)
-    assert not any("models" in line for line in said)  # it belongs to no region
+    assert "lappet models fetch" in told.lines[0]
+    assert told.lines[1] == "1 solves"
+    told.lines.clear()
+    run_atlas(["fusiform"], tmp_path / "none", told, spacing=4.0, pictures=False)
+    assert not any("models" in line for line in told.lines)  # it belongs to no region
     with refuses(ProblemCode.MODELS_NOT_FETCHED):
-        run_atlas(["upper-lid"], tmp_path / "models_only", said.append, places="models")
+        run_atlas(["upper-lid"], tmp_path / "models_only", told, places="models")
     assert not (tmp_path / "models_only").exists()
 
 
@@ -107,7 +114,7 @@ def test_a_row_on_a_model_says_what_its_report_says_and_how_far_landmarks_went(
 ) -> None:
     coarse = partial(flap_on_model, spacing=4.0)
     monkeypatch.setattr("lappet.reports.atlas.run.flap_on_model", coarse)
-    rows, files = run_atlas(["keystone"], tmp_path, lambda line: None, pictures=False, places="models")
+    rows, files = run_atlas(["keystone"], tmp_path, Told(), pictures=False, places="models")
     assert "contact_rows" not in json.loads((tmp_path / "atlas.json").read_text(encoding="utf-8"))
     assert [row.name for row in rows] == ["limb_keystone"]
     results = json.loads((tmp_path / "atlas.json").read_text(encoding="utf-8"))

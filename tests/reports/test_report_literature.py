@@ -27,6 +27,7 @@ from lappet.reports.literature.page import literature_page
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
 from lappet.reports.literature.run import compare, run_literature
+from lappet.reports.report_progress import ReportProgress
 from lappet.solve.measure_errors import FORCE_ORDER
 from refusals import refuses
 
@@ -139,7 +140,7 @@ def test_before_it_is_cut_a_z_plasty_has_gained_nothing_and_its_limb_lies_at_the
 
 def test_a_row_that_there_is_not_is_refused_before_anything_is_solved(tmp_path: Path) -> None:
     with refuses(ProblemCode.REPORT_UNKNOWN):
-        run_literature(["z-plasty-gain-61"], tmp_path / "literature", print)
+        run_literature(["z-plasty-gain-61"], tmp_path / "literature", ReportProgress())
     assert not (tmp_path / "literature").exists()
 
 

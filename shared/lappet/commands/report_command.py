@@ -212,18 +212,20 @@ def atlas(
     the models is there (`lappet models fetch`).
     """
     with sentences(context):
+        from lappet.commands.report_progress import report_progress
         from lappet.designs.library_operation import SPACING
         from lappet.reports.atlas.run import run_atlas
 
-        rows, files = run_atlas(
-            designs,
-            folder,
-            _say,
-            spacing=spacing or SPACING,
-            pictures=pictures,
-            places=places,
-            self_contact=self_contact,
-        )
+        with report_progress() as progress:
+            rows, files = run_atlas(
+                designs,
+                folder,
+                progress,
+                spacing=spacing or SPACING,
+                pictures=pictures,
+                places=places,
+                self_contact=self_contact,
+            )
         for path in files:
             click.echo(path)
     if any(row.frames < row.of_frames for row in rows):
@@ -247,10 +249,12 @@ def surroundings(context: click.Context, /, names: tuple[str, ...], folder: Path
     default. The exit status is 1 if a wider cut-out changes more than the free rim.
     """
     with sentences(context):
+        from lappet.commands.report_progress import report_progress
         from lappet.reports.surroundings.run import run_surroundings
         from lappet.reports.surroundings.table import surroundings_table
 
-        rows, files = run_surroundings(names, folder, reach, _say)
+        with report_progress() as progress:
+            rows, files = run_surroundings(names, folder, reach, progress)
         click.echo(surroundings_table(rows))
         for path in files:
             click.echo(path)
@@ -269,10 +273,12 @@ def literature(context: click.Context, /, rows: tuple[str, ...], folder: Path, s
     A row that disagrees is a result, not a failure; docs/literature.md names the rows.
     """
     with sentences(context):
+        from lappet.commands.report_progress import report_progress
         from lappet.designs.library_operation import SPACING
         from lappet.reports.literature.run import run_literature
 
-        text, files = run_literature(rows, folder, _say, spacing=spacing or SPACING)
+        with report_progress() as progress:
+            text, files = run_literature(rows, folder, progress, spacing=spacing or SPACING)
         click.echo(text)
         for path in files:
             click.echo(path)

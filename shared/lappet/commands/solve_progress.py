@@ -6,11 +6,14 @@ import contextlib
 import sys
 import time
 from types import TracebackType
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from lappet.core.problem import Problem
 from lappet.daemon.frame_solver import Iteration
 from lappet.solve.solve_frames import FrameResult, SolveObserver
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
 
 
 class PlainProgress(SolveObserver):
@@ -54,21 +57,17 @@ class PlainProgress(SolveObserver):
 
 
 class BarProgress(SolveObserver):
-    """Progress as a bar on a terminal, with the frame and the residual it stands at; used as a context."""
+    """Progress as a bar on a terminal, with the frame and the residual it stands at; used as a context.
 
-    def __init__(self) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    Parameters
+    ----------
+    bars
+        The display to draw in; one of its own when None.
+    """
 
-        self._bar: Any = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[state]}"),
-            console=Console(stderr=True),
-        )
-        self._task: Any = None
+    def __init__(self, bars: Progress | None = None) -> None:
+        self._bar = bars or solve_bar()
+        self._task: TaskID | None = None
         self._shown = 0.0
 
     def __enter__(self) -> BarProgress:
@@ -99,12 +98,35 @@ class BarProgress(SolveObserver):
             self._bar.update(self._task, state=state)
 
     def frame(self, frame: FrameResult) -> None:
+        if self._task is None:
+            return
         with contextlib.suppress(OSError):
             self._bar.update(self._task, advance=1, state=describe(frame))
 
     def note(self, note: Problem) -> None:
         with contextlib.suppress(OSError):
             self._bar.console.print(f"{note.severity}: {note}", markup=False, highlight=False)
+
+
+def solve_bar() -> Progress:
+    """Make a display of bars on standard error, none in it yet.
+
+    Returns
+    -------
+    Progress
+        The display; each bar has a text `state` at its end.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[state]}", markup=False),
+        console=Console(stderr=True),
+    )
 
 
 def solve_progress(plain: bool = False) -> PlainProgress | BarProgress:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from lappet.procedure import Procedure
 from lappet.program.compile import DEFAULT
 from lappet.reports.atlas.rows import CONTACT_ROWS, MODEL_ROWS, AtlasRow, ModelRow, atlas_row, model_row
 from lappet.reports.report_files import head, make_folder, write_json
+from lappet.reports.report_progress import ReportProgress
+from lappet.solve.solve_frames import SolveObserver
 from lappet.usd.stage import write_procedure
 
 RESULTS = "atlas.json"
@@ -28,7 +30,7 @@ PLACES = (BOTH, PATCH, MODELS)  # where designs are solved
 def run_atlas(
     names: Sequence[str],
     folder: Path,
-    say: Callable[[str], None],
+    progress: ReportProgress,
     *,
     spacing: float = SPACING,
     pictures: bool = True,
@@ -43,8 +45,8 @@ def run_atlas(
         Designs of the library; none for all of them.
     folder
         Where to; made if needed. Known frames are looked up, so that a stopped run goes on.
-    say
-        Called with a line of text for every operation.
+    progress
+        Is told how the solves go, with a line of text for every operation.
     spacing
         Edge of the lattice's cells in mm on the patch; each model has its own.
     pictures
@@ -68,21 +70,25 @@ def run_atlas(
         picture is refused.
     """
     chosen = [library_design(name).name for name in names] or list(DESIGNS)
-    regional = _regional(chosen, places, say)
+    regional = _regional(chosen, places, progress)
     make_folder(folder)
+    on_patch = chosen if places != MODELS else []
+    progress.begin(len(on_patch) + len(regional))
     rows: list[AtlasRow] = []
     on_models: list[ModelRow] = []
     files: list[Path] = []
-    for name in chosen if places != MODELS else ():
-        result, written = _solved(name, flap_on_patch(name, spacing=spacing), folder, pictures)
+    for name in on_patch:
+        observer = progress.solve(name)
+        result, written = _solved(name, flap_on_patch(name, spacing=spacing), folder, pictures, observer)
         rows.append(atlas_row(name, result))
-        say(_line(name, rows[-1]))
+        progress.say(_line(name, rows[-1]))
         files += written
     for name in regional:
-        result, written = _solved(name, flap_on_model(name), folder, pictures, self_contact)
+        observer = progress.solve(name)
+        result, written = _solved(name, flap_on_model(name), folder, pictures, observer, self_contact)
         flap = REGIONAL_FLAPS[name]
         on_models.append(model_row(name, flap.design, flap.model, result))
-        say(_line(name, on_models[-1].measured))
+        progress.say(_line(name, on_models[-1].measured))
         files += written
     results = folder / RESULTS
     kept = {CONTACT_ROWS if self_contact else MODEL_ROWS: [row.flat() for row in on_models]}
@@ -90,7 +96,7 @@ def run_atlas(
     return [*rows, *(row.measured for row in on_models)], [*files, results]
 
 
-def _regional(designs: Sequence[str], places: str, say: Callable[[str], None]) -> list[str]:
+def _regional(designs: Sequence[str], places: str, progress: ReportProgress) -> list[str]:
     """The operations of designs on models, none where they are not wanted or cannot be made."""
     wanted = [flap.name for flap in REGIONAL_FLAPS.values() if flap.design in designs and places != PATCH]
     if not wanted:
@@ -98,19 +104,24 @@ def _regional(designs: Sequence[str], places: str, say: Callable[[str], None]) -
     if places == MODELS:
         body_package()
     elif not is_fetched():
-        say(f"Nothing is solved on a model of the body: their package is not there. `{COMMAND}` downloads it.")
+        progress.say(f"Nothing is solved on a model of the body: their package is not there. `{COMMAND}` downloads it.")
         return []
     return wanted
 
 
 def _solved(
-    name: str, procedure: Procedure, folder: Path, pictures: bool, self_contact: bool = False
+    name: str,
+    procedure: Procedure,
+    folder: Path,
+    pictures: bool,
+    observer: SolveObserver,
+    self_contact: bool = False,
 ) -> tuple[SolveResult, list[Path]]:
     """Solve a procedure and draw it; the files are in the folder under its name."""
     source, cache, report = (folder / f"{name}.{ending}" for ending in ("usda", "usdc", "json"))
     write_procedure(procedure, source)
     settings = replace(DEFAULT, self_contact=self_contact)
-    result = solve_procedure(source, cache, settings, error_estimate=not self_contact)
+    result = solve_procedure(source, cache, settings, observer=observer, error_estimate=not self_contact)
     write_report(result, report)
     files = [source, cache, report]
     if pictures and result.output is not None:

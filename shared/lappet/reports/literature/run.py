@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from lappet.reports.literature.operations import OPERATIONS
 from lappet.reports.literature.published import Published, Verdict
 from lappet.reports.literature.rows import ROWS
 from lappet.reports.report_files import head, make_folder, write_csv, write_json
+from lappet.reports.report_progress import ReportProgress
 
 RESULTS = "literature.json"
 
@@ -68,7 +69,7 @@ def chosen_rows(names: Sequence[str]) -> tuple[Published, ...]:
 
 
 def run_literature(
-    names: Sequence[str], folder: Path, say: Callable[[str], None], *, spacing: float = SPACING
+    names: Sequence[str], folder: Path, progress: ReportProgress, *, spacing: float = SPACING
 ) -> tuple[str, list[Path]]:
     """Solve what the rows need, compare, and write the results.
 
@@ -78,8 +79,8 @@ def run_literature(
         Names of rows; none for all of them.
     folder
         Where to; made if needed. Known frames are looked up, so that a stopped run goes on.
-    say
-        Called with a line of text for every operation.
+    progress
+        Is told how the solves go, with a line of text for every operation.
     spacing
         Edge of the lattice's cells in mm.
 
@@ -96,10 +97,12 @@ def run_literature(
     rows = chosen_rows(names)
     make_folder(folder)
     solved: dict[str, SolveResult] = {}
-    for name in dict.fromkeys(name for row in rows for name in row.measure.operations):
-        result = solve_procedure(OPERATIONS[name](spacing), folder / f"{name}.usdc")
+    operations = dict.fromkeys(name for row in rows for name in row.measure.operations)
+    progress.begin(len(operations))
+    for name in operations:
+        result = solve_procedure(OPERATIONS[name](spacing), folder / f"{name}.usdc", observer=progress.solve(name))
         converged = sum(frame.solved.converged for frame in result.frames)
-        say(f"{name}: {converged} of {len(list(result.procedure.frames()))} frames converged.")
+        progress.say(f"{name}: {converged} of {len(list(result.procedure.frames()))} frames converged.")
         if result.complete:
             solved[name] = result
     compared = [compare(row, solved) for row in rows]

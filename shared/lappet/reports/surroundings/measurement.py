@@ -8,7 +8,7 @@ most that the cut-out can leave out; whether it is, in a nonlinear solve, is tri
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.models.regional_flaps import REGIONAL_FLAPS, flap_on_model
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Procedure, Suture, SutureRun
+from lappet.reports.report_progress import ReportProgress
 from lappet.reports.surroundings.free_rim import with_free_rim
 from lappet.usd.cache_end import CacheEnd, read_cache_end
 from lappet.usd.stage import read_procedure
@@ -70,8 +71,26 @@ class SurroundingsRow:
         return self.wider_mm <= self.free_mm
 
 
+def solves_of(name: str, reach: float | None) -> int:
+    """Count the solves that an operation takes: held, free, and of models farther away, if wanted.
+
+    Parameters
+    ----------
+    name
+        An operation on a model, or a procedure's file.
+    reach
+        How many times as far as usual the wider cut-out of a model reaches; None for none.
+
+    Returns
+    -------
+    int
+        Number of solves.
+    """
+    return 3 if reach is not None and name in REGIONAL_FLAPS else 2
+
+
 def measure_surroundings(
-    name: str, folder: Path, reach: float | None = None, say: Callable[[str], None] = lambda _: None
+    name: str, folder: Path, reach: float | None = None, progress: ReportProgress | None = None
 ) -> SurroundingsRow:
     """Solve an operation with its rim held and free, and with a wider cut-out if wanted.
 
@@ -83,8 +102,8 @@ def measure_surroundings(
         Where the caches go; it is there.
     reach
         How many times as far as usual the wider cut-out of a model reaches; None for none.
-    say
-        Called with a line of text for every solve.
+    progress
+        Is told how the solves go, with a line of text for each; nothing is when None.
 
     Returns
     -------
@@ -96,6 +115,7 @@ def measure_surroundings(
     RefusedError
         If there is no such operation, its rim cannot be let go, or it closes nothing.
     """
+    progress = progress or ReportProgress()
     flap = REGIONAL_FLAPS.get(name)
     procedure = flap_on_model(name) if flap is not None else read_procedure(Path(name))
     label = name if flap is not None else Path(name).stem
@@ -108,10 +128,10 @@ def measure_surroundings(
     problem = ""
     for way, each in ways.items():
         try:
-            ends[way] = _end(each, folder / f"{label}_{way}.usdc", say)
+            ends[way] = _end(each, folder / f"{label}_{way}.usdc", progress)
         except RefusedError as error:
             problem = str(error.problems[0])
-            say(f"{label}, {way}: {problem}")
+            progress.say(f"{label}, {way}: {problem}")
     row = SurroundingsRow(label, flap.model if flap is not None else "", reach=reach if flap is not None else None)
     return replace(row, problem=problem, **_compared(label, ends))
 
@@ -133,11 +153,11 @@ def _compared(name: str, ends: dict[str, CacheEnd]) -> dict[str, Any]:
     return fields
 
 
-def _end(procedure: Procedure, cache: Path, say: Callable[[str], None]) -> CacheEnd:
-    result = solve_procedure(procedure, cache, error_estimate=False)
+def _end(procedure: Procedure, cache: Path, progress: ReportProgress) -> CacheEnd:
+    result = solve_procedure(procedure, cache, observer=progress.solve(cache.stem), error_estimate=False)
     if not result.complete:
         raise refused(ProblemCode.REPORT_NOT_CONVERGED, cache.name, str(result.reason))
-    say(f"{cache.stem}: {len(result.frames)} frames, {result.wall_seconds:.0f} s.")
+    progress.say(f"{cache.stem}: {len(result.frames)} frames, {result.wall_seconds:.0f} s.")
     return read_cache_end(cache)
 
 

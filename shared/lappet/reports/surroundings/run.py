@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from lappet.core.durable import write_whole
 from lappet.models.regional_flaps import REGIONAL_FLAPS
 from lappet.reports.report_files import described, head, make_folder, write_csv, write_json
-from lappet.reports.surroundings.measurement import SurroundingsRow, measure_surroundings
+from lappet.reports.report_progress import ReportProgress
+from lappet.reports.surroundings.measurement import SurroundingsRow, measure_surroundings, solves_of
 from lappet.reports.surroundings.table import surroundings_table
 
 RESULTS = "surroundings.json"
 
 
 def run_surroundings(
-    names: Sequence[str], folder: Path, reach: float | None, say: Callable[[str], None]
+    names: Sequence[str], folder: Path, reach: float | None, progress: ReportProgress
 ) -> tuple[list[SurroundingsRow], list[Path]]:
     """Measure operations.
 
@@ -27,8 +28,8 @@ def run_surroundings(
         Where to; made if needed. Known frames are looked up, so that a stopped run goes on.
     reach
         How many times as far as usual the wider cut-out of each model reaches; None for none.
-    say
-        Called with a line of text for every solve.
+    progress
+        Is told how the solves go, with a line of text for each.
 
     Returns
     -------
@@ -44,8 +45,10 @@ def run_surroundings(
     circumstances = head()
     files = [folder / RESULTS, folder / "surroundings.csv", folder / "surroundings.md"]
     rows: list[SurroundingsRow] = []
-    for name in names or list(REGIONAL_FLAPS):
-        rows.append(measure_surroundings(name, folder, reach, say))
+    wanted = names or list(REGIONAL_FLAPS)
+    progress.begin(sum(solves_of(name, reach) for name in wanted))
+    for name in wanted:
+        rows.append(measure_surroundings(name, folder, reach, progress))
         write_json(files[0], circumstances, rows)  # after each: a stopped run keeps what it has
     write_csv(files[1], rows)
     text = f"# Surroundings\n\n{described(circumstances)}\n\n{surroundings_table(rows)}"
