@@ -14,7 +14,8 @@ from lappet.background.solver import BackgroundSolver
 from lappet.background.worker_events import Finished, FrameReady, Listed, Note, WorkerEvent
 from lappet.core.problem import Problem
 from lappet.core.value_codec import pack
-from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Hook, Incision, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore

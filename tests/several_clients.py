@@ -17,7 +17,7 @@ from box_scene import box, pull
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.process import SolverDaemon
-from lappet.daemon.solved_frame import SolverState
+from lappet.daemon.solver_state import SolverState
 from lappet.program.program import FrameConstraints
 from lappet.program.settings import SolverSettings
 

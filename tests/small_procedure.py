@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.cutting.epoch import Epoch
+from lappet.daemon.frame_diagnostics import Diagnostics, StageSeconds
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
-from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, SolverState, StageSeconds
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.geometry.surface_check import signed_volume
 from lappet.procedure import Excision, Hook, Incision, Landmark, Material, Procedure, Suture
 from lappet.program.program import Bones, FrameConstraints, Landmarks

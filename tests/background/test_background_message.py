@@ -23,7 +23,9 @@ from lappet.core.array_codec import CodecError
 from lappet.core.problem import Place, Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
-from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Bone, Hook, Incision, Landmark, Procedure, Suture, pose_at
 from lappet.program.settings import SolverSettings
 from small_procedure import small_procedure

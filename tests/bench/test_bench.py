@@ -16,7 +16,9 @@ from lappet.bench import kernels, scenes, sheets, tables
 from lappet.bench.circumstances import circumstances, revision
 from lappet.bench.scenes import SceneMeasure, measure, pass_times, state_hash
 from lappet.core.problem import RefusedError
-from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, PassCounts, SolvedFrame, StageSeconds
+from lappet.daemon.frame_diagnostics import Diagnostics, PassCounts, StageSeconds
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
 
 WORK = PassCounts(
     evaluations=5,

@@ -30,8 +30,10 @@ from lappet.background.worker_events import (
 )
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.frame_diagnostics import Diagnostics, StageSeconds
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.daemon.running_daemon import RunningDaemon
-from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, StageSeconds
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import CUTS, Event, Hook, Landmark, Pose, Procedure, place_of, pose_at
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore

@@ -13,7 +13,8 @@ from fake_worker import make_manifest
 from lappet.background.manifest_store import put_manifest
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.solved_frame import SolvedFrame, SolverState
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.procedure import Incision, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from lappet.core.array_codec import DTYPES
-from lappet.daemon.solved_frame import StageSeconds
+from lappet.daemon.frame_diagnostics import StageSeconds
 from lappet.daemon.wire import Message, WireError, decode, encode, read_array, read_fields
 
 names = st.text("abcdefghij_", min_size=1, max_size=12)

@@ -17,8 +17,9 @@ from pxr import Usd, UsdGeom
 from lappet.commands.cli import cli
 from lappet.core.value_codec import pack
 from lappet.daemon.client import SolverClient, SolverRefused
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.daemon.process import SolverDaemon
-from lappet.daemon.solved_frame import SCALARS, LatticeCounts, SolvedFrame
+from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene

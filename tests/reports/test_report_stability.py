@@ -13,7 +13,9 @@ from click.testing import CliRunner
 
 from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.solved_frame import Diagnostics, SolvedFrame, SolverState
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.reports.stability import run as stability_run
 from lappet.reports.stability.case import Case, Demand, Row, Scene, totals
 from lappet.reports.stability.files import write_stability

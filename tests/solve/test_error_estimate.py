@@ -11,7 +11,9 @@ import pytest
 
 from lappet.cutting.epoch import Regions
 from lappet.daemon.daemon_solver import connect_to
-from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Bones, Program

@@ -11,7 +11,9 @@ import pytest
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.daemon_solver import connect_to
-from lappet.daemon.solved_frame import Diagnostics, SolvedFrame, SolverState
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.program.program import Program
 from lappet.reports.stability.buckling_cases import pressed
 from lappet.solve.other_branch import Neighbors, judged, other_branches, way_to

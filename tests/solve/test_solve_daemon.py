@@ -17,8 +17,9 @@ import pytest
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
+from lappet.daemon.frame_diagnostics import Diagnostics
 from lappet.daemon.frame_solver import Iteration
-from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.solve_to_cache import SolveResult, solve_procedure
 from lappet.solve.solve_frames import SolveObserver
 from lappet.solve.store import FrameStore

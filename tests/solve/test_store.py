@@ -18,7 +18,9 @@ import pytest
 from lappet.core.array_codec import CodecError
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.solve.store import FrameStore, default_folder
 
 KEY = "ab" * 32

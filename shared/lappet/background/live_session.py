@@ -8,7 +8,8 @@ from dataclasses import replace
 from lappet.background.held import Held
 from lappet.core.problem import Problem
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
-from lappet.daemon.solved_frame import SolvedFrame, SolverState
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.procedure import Pose
 from lappet.program.program import Program
 from lappet.solve.solve_frames import TRIES, solver_restarted

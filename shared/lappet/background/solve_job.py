@@ -29,7 +29,9 @@ from lappet.core.problem import Problem, ProblemsError, RefusedError, file_probl
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings

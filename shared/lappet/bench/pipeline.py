@@ -21,7 +21,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, FrameSolver
-from lappet.daemon.solved_frame import LatticeCounts
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.output.skin_cache import write_skin_cache
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones, Landmarks

@@ -17,7 +17,8 @@ from lappet.bench.circumstances import cores
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
-from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings

@@ -15,9 +15,11 @@ from lappet.daemon.connection import DaemonConnection, SolveCancelled, SolverRef
 from lappet.daemon.frame_message import read_frame
 from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.handshake import DaemonRefuses
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
 from lappet.daemon.running_daemon import ClientKeys
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.daemon.wire import Message, read_array, read_fields
 from lappet.program.payloads import epoch_payload, open_payload, solve_payload
 from lappet.program.program import Bones, FrameConstraints, Landmarks

@@ -11,9 +11,11 @@ from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.daemon.process import daemon_identity
 from lappet.daemon.running_daemon import ClientKeys, RunningDaemon
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings

@@ -10,8 +10,9 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.connection import DaemonConnection
 from lappet.daemon.frame_message import read_frame
 from lappet.daemon.frame_solver import Iteration
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.daemon.running_daemon import RunningDaemon
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.daemon.wire import Message, WireError, read_fields
 from lappet.program.program import Program
 

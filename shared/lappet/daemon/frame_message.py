@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from lappet.daemon.solved_frame import HOLDERS, SCALARS, Diagnostics, LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.frame_diagnostics import Diagnostics
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import HOLDERS, SCALARS, SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.daemon.wire import Message, WireError, read_array, read_fields
 from lappet.program.program import FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import ProblemsError, RefusedError
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.lattice_counts import LatticeCounts
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings
 

@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.daemon.solved_frame import LatticeCounts
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 

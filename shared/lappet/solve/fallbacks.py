@@ -9,7 +9,7 @@ import numpy as np
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.solved_frame import LatticeCounts
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.geometry.surface_check import signed_volume
 from lappet.procedure.prim_paths import TISSUE
 from lappet.program.program import Program

@@ -20,8 +20,10 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
+from lappet.daemon.lattice_counts import LatticeCounts
 from lappet.daemon.process import SolverDaemon
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.daemon.solver_state import SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
 from lappet.reports.stability.case import Case, Demand, Row, Scene, Solved, Start
