@@ -191,13 +191,13 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             return _read_area(reader, prim, schema)
         case "LappetHookAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
-            anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
+            anchor = reader.space.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
             moves = tuple((time, cast(Point, tuple(m[3, :3]))) for time, m in _targets(reader, prim, start))
             stiffness = reader.number(prim, "lappet:stiffness", Hook.stiffness)
             return Hook(name, _tuples(anchor)[0], moves, start, release, stiffness)
         case "LappetRetractorAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
-            motion = tuple((time, tuple(m.ravel())) for time, m in reader.motion(prim, start))
+            motion = tuple((time, tuple(m.ravel())) for time, m in reader.space.motion(prim, start))
             grip = _faces(reader, prim, "grip", tissues, (ProblemCode.GRIP_MISSING, ProblemCode.GRIP_ELSEWHERE))
             return Retractor(name, grip, motion, start, release)
         case "LappetTractionAPI" | "LappetPressureAPI" | "LappetSectionAPI":
@@ -206,7 +206,7 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             return read_run(reader, prim)
         case "LappetSutureAPI":
             start = reader.number(prim, "lappet:start")
-            anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
+            anchors = _tuples(reader.space.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
             if len(anchors) < 2:
                 reader.problem(ProblemCode.SUTURE_ANCHORS, prim.GetPath(), len(anchors))
                 anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -244,14 +244,14 @@ def _read_area(reader: Reader, prim: Any, schema: str) -> Undermine | Thin:
 
 def _targets(reader: Reader, prim: Any, start: float) -> list[tuple[float, NDArray[np.float64]]]:
     """Transforms of a hook; none where nothing places it: the origin is no target."""
-    motion = reader.motion(prim, start)
+    motion = reader.space.motion(prim, start)
     return motion if len(motion) > 1 or reader.usd.UsdGeom.Xformable(prim).GetOrderedXformOps() else []
 
 
 def _read_load_or_section(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
     name = prim.GetName()
     if schema == "LappetSectionAPI":
-        (point,) = _tuples(reader.placed(np.array([reader.vector(prim, "lappet:point", 3)]), prim.GetParent()))
+        (point,) = _tuples(reader.space.placed(np.array([reader.vector(prim, "lappet:point", 3)]), prim.GetParent()))
         normal = cast(Point, reader.vector(prim, "lappet:normal", 3))
         return Section(name, point, normal, reader.text(prim, "lappet:label", name))
     start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")

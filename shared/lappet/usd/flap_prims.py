@@ -59,9 +59,9 @@ def read_flap(reader: Reader, prim: Any) -> LaidFlap:
     LaidFlap
         The flap; a value that could not be read is NaN or empty.
     """
-    at = reader.placed(np.array([reader.vector(prim, "lappet:at", 3)]), prim.GetParent())[0]
+    at = reader.space.placed(np.array([reader.vector(prim, "lappet:at", 3)]), prim.GetParent())[0]
     direction = np.array(reader.vector(prim, "lappet:direction", 3))
-    matrix = reader.to_rest(prim.GetParent())
+    matrix = reader.space.to_rest(prim.GetParent())
     if matrix is not None:
         direction = direction @ matrix[:3, :3]
         direction = direction / max(float(np.linalg.norm(direction)), 1e-300)

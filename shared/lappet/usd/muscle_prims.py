@@ -58,7 +58,7 @@ def read_muscle(reader: Reader, prim: Any) -> Muscle:
     points = reader.points(prim)
     counts = reader.integers(prim, "curveVertexCounts")
     widths = np.array(prim.GetAttribute("widths").Get() or (), np.float64).ravel()
-    matrix = reader.to_rest(prim)
+    matrix = reader.space.to_rest(prim)
     if matrix is not None:
         widths = widths * np.cbrt(abs(np.linalg.det(matrix[:3, :3])))
     if len(widths) == 1:

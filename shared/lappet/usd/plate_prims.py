@@ -285,7 +285,7 @@ def _place(reader: Reader, prim: Any, name: str) -> Point | None:
     at = reader.vector(prim, f"lappet:{name}", 3, (np.nan,) * 3)
     if not np.isfinite(at).all():
         return None
-    return cast(Point, tuple(reader.placed(np.array([at]), prim.GetParent())[0].tolist()))
+    return cast(Point, tuple(reader.space.placed(np.array([at]), prim.GetParent())[0].tolist()))
 
 
 def _way(reader: Reader, prim: Any, name: str) -> Point | None:
@@ -293,7 +293,7 @@ def _way(reader: Reader, prim: Any, name: str) -> Point | None:
     way = np.array(reader.vector(prim, f"lappet:{name}", 3, (np.nan,) * 3))
     if not np.isfinite(way).all():
         return None
-    matrix = reader.to_rest(prim.GetParent())
+    matrix = reader.space.to_rest(prim.GetParent())
     if matrix is not None:
         way = way @ matrix[:3, :3]
         way = way / max(float(np.linalg.norm(way)), 1e-300)

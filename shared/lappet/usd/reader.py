@@ -192,7 +192,7 @@ def _mesh(
     points = reader.points(prim)
     counts, indices = reader.integers(prim, "faceVertexCounts"), reader.integers(prim, "faceVertexIndices")
     corners = np.arange(len(indices))
-    matrix = reader.to_rest(prim)
+    matrix = reader.space.to_rest(prim)
     mirrored = matrix is not None and np.linalg.det(matrix[:3, :3]) < 0.0
     left = str(prim.GetAttribute("orientation").Get() or "rightHanded") == "leftHanded"
     if left != mirrored and (counts > 0).all() and counts.sum() == len(indices):
@@ -230,8 +230,8 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
 def _bone(reader: Reader, prim: Any) -> Bone:
     points, counts, indices, _ = _mesh(reader, prim)
     start = float(reader.stage.GetStartTimeCode())
-    samples = reader.motion(prim, start)
-    rest = reader.motion_at(prim, start)
+    samples = reader.space.motion(prim, start)
+    rest = reader.space.motion_at(prim, start)
     motion: tuple[tuple[float, tuple[float, ...]], ...] = ()
     if any(not np.array_equal(matrix, rest) for _, matrix in samples) and abs(np.linalg.det(rest)) > 0.0:
         back = np.eye(4) if np.array_equal(rest, np.eye(4)) else np.linalg.inv(rest)

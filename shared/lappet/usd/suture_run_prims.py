@@ -158,7 +158,9 @@ def _corners(reader: Reader, prim: Any) -> tuple[tuple[int, int], ...]:
 def _insides(reader: Reader, prim: Any) -> tuple[tuple[Point, Point], ...]:
     if not prim.GetAttribute("lappet:insides").HasAuthoredValue():
         return ()
-    points = [(float(x), float(y), float(z)) for x, y, z in reader.placed(reader.vectors(prim, "lappet:insides"), prim)]
+    points = [
+        (float(x), float(y), float(z)) for x, y, z in reader.space.placed(reader.vectors(prim, "lappet:insides"), prim)
+    ]
     if len(points) % 2:
         reader.problem(ProblemCode.SUTURE_RUN_CORNERS, prim.GetPath(), f"{len(points)} places")
         return ()

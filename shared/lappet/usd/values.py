@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Point
+from lappet.usd.stage_space import StageSpace
 
 
 class Reader:
     """A reader of single values that collects the problems and notes of one stage.
 
-    Geometry is returned in mm with Z up: `space` is the (4, 4) row-vector matrix from stage space, None where the two
-    are the same.
+    Geometry is returned in mm with Z up: `space` takes it there.
 
     Parameters
     ----------
@@ -34,8 +34,7 @@ class Reader:
     def __init__(self, stage: Any, usd: Any, notes: list[Problem]) -> None:
         self.stage, self.usd, self.notes = stage, usd, notes
         self.problems: list[Problem] = []
-        self.space = self._stage_space()
-        self._rest = usd.UsdGeom.XformCache(usd.Usd.TimeCode(stage.GetStartTimeCode()))
+        self.space = StageSpace(stage, usd, self.problems, notes)
 
     def problem(self, code: ProblemCode, path: object, value: object, **fields: Any) -> None:
         """Add an error.
@@ -359,90 +358,7 @@ class Reader:
         NDArray[np.float64]
             Points in mm, shape (n, 3).
         """
-        return self.placed(self.vectors(prim, "points"), prim)
-
-    def placed(self, points: NDArray[np.float64], prim: Any) -> NDArray[np.float64]:
-        """Take points from the space of a prim to mm and Z up, at the start of the timeline.
-
-        Parameters
-        ----------
-        points
-            Points in the prim's space, shape (n, 3).
-        prim
-            The prim.
-
-        Returns
-        -------
-        NDArray[np.float64]
-            Points in mm, shape (n, 3).
-        """
-        matrix = self.to_rest(prim)
-        if matrix is None or len(points) == 0:
-            return points
-        return np.asarray(points @ matrix[:3, :3] + matrix[3, :3], np.float64)
-
-    def to_rest(self, prim: Any) -> NDArray[np.float64] | None:
-        """Find the matrix from the space of a prim to mm and Z up.
-
-        Parameters
-        ----------
-        prim
-            The prim.
-
-        Returns
-        -------
-        NDArray[np.float64] | None
-            Row-vector matrix of shape (4, 4), or None for the identity.
-        """
-        matrix = np.array(self._rest.GetLocalToWorldTransform(prim), np.float64)
-        if np.array_equal(matrix, np.eye(4)):
-            return self.space
-        return matrix if self.space is None else matrix @ self.space
-
-    def motion(self, prim: Any, start: float) -> list[tuple[float, NDArray[np.float64]]]:
-        """Read the transform of a prim and its parents at every time sample.
-
-        Parameters
-        ----------
-        prim
-            The prim.
-        start
-            Time code of the one sample of a prim that does not move.
-
-        Returns
-        -------
-        list[tuple[float, NDArray[np.float64]]]
-            Samples (time code, matrix of shape (4, 4)) in mm and Z up.
-        """
-        times: set[float] = set()
-        parent = prim
-        while parent and not parent.IsPseudoRoot():
-            if parent.IsA(self.usd.UsdGeom.Xformable):
-                times.update(self.usd.UsdGeom.Xformable(parent).GetTimeSamples())
-            parent = parent.GetParent()
-        samples = []
-        for time in sorted(times) or [start]:
-            samples.append((time, self.motion_at(prim, time)))
-        return samples
-
-    def motion_at(self, prim: Any, time: float) -> NDArray[np.float64]:
-        """Read the transform of a prim and its parents at a time.
-
-        Parameters
-        ----------
-        prim
-            The prim.
-        time
-            Time code; the default value's where it is not finite.
-
-        Returns
-        -------
-        NDArray[np.float64]
-            Row-vector matrix of shape (4, 4) in mm and Z up.
-        """
-        code = self.usd.Usd.TimeCode(time) if np.isfinite(time) else self.usd.Usd.TimeCode.Default()
-        matrix = np.array(self.usd.UsdGeom.XformCache(code).GetLocalToWorldTransform(prim), np.float64)
-        return matrix if self.space is None else np.linalg.inv(self.space) @ matrix @ self.space
+        return self.space.placed(self.vectors(prim, "points"), prim)
 
     def _value(self, prim: Any, name: str, required: bool) -> Any:
         attribute = prim.GetAttribute(name)
@@ -459,23 +375,6 @@ class Reader:
         shown = " ".join(str(value).split())
         shown = shown if len(shown) <= 40 else shown[:37] + "..."
         self.problem(ProblemCode.ATTRIBUTE_TYPE, prim.GetPath(), shown, name=name, wanted=wanted)
-
-    def _stage_space(self) -> NDArray[np.float64] | None:
-        geom = self.usd.UsdGeom
-        units, axis = float(geom.GetStageMetersPerUnit(self.stage)), str(geom.GetStageUpAxis(self.stage))
-        if not (np.isfinite(units) and units > 0.0):
-            self.problem(ProblemCode.STAGE_UNITS, "/", f"{units:g}")
-            return None
-        matrix = np.eye(4)
-        if abs(units - 0.001) > 1e-12:
-            matrix[:3, :3] *= units / 0.001
-            said = "" if geom.StageHasAuthoredMetersPerUnit(self.stage) else " by USD's default"
-            self.notes.append(problem(ProblemCode.STAGE_CONVERTED, "/", f"{units:g}", said=said))
-        if axis == "Y":
-            matrix[:3, :3] = matrix[:3, :3] @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-            said = "" if self.stage.HasAuthoredMetadata("upAxis") else " by USD's default"
-            self.notes.append(problem(ProblemCode.STAGE_TURNED, "/", axis, said=said))
-        return None if np.array_equal(matrix, np.eye(4)) else matrix
 
 
 def _numbers(value: Any) -> NDArray[np.float64] | None:
