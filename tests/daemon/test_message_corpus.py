@@ -8,8 +8,9 @@ from pathlib import Path
 import msgpack
 import pytest
 
+from corpus_messages import file_of, messages_of
 from lappet.daemon.process import SolverDaemon
-from message_corpus import CONVERSATIONS, FOLDER, file_of, messages_of
+from message_corpus import CONVERSATIONS, FOLDER
 from raw_peer import Raw
 
 FILES = sorted(FOLDER.glob("*.messages"))
