@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+
+# Before numpy is loaded, here and in every process that a test starts: workers and daemons leave no processor to the
+# threads of BLAS, which then wait for each other over small matrices, many times as long as these take.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 
