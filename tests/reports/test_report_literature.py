@@ -133,7 +133,8 @@ def test_a_closing_force_is_the_sum_over_the_sutures_that_the_lattice_resolves(f
 def test_before_it_is_cut_a_z_plasty_has_gained_nothing_and_its_limb_lies_at_the_angle_drawn(
     angle: int, tmp_path: Path
 ) -> None:
-    result = solve_procedure(OPERATIONS[f"z-plasty-{angle}"](COARSE), tmp_path / "z.usdc", frames=(1, 1))
+    procedure = OPERATIONS[f"z-plasty-{angle}"](COARSE)
+    result = solve_procedure(procedure, tmp_path / "z.usdc", frames=(1, 1), error_estimate=False)
     assert scar_gain(result).value == pytest.approx(0.0, abs=0.05)
     assert limb_turn(result).value == pytest.approx(angle, abs=0.05)
 

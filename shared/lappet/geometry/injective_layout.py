@@ -156,8 +156,8 @@ class _Energy:
         x = np.einsum("ij,ij->i", u, v) / length
         y = np.maximum(np.linalg.norm(np.cross(u, v), axis=1) / length, 1e-9 * length)
         zero = np.zeros_like(x)
-        # The inverse of the edges (length, 0) and (x, y) as rows, (m, 2, 2): columns of the gradient by the two. Written
-        # out, as numpy hands each of them to LAPACK, whose threads wait for each other: minutes beside a solve.
+        # The inverse of the edges (length, 0) and (x, y) as rows, (m, 2, 2): columns of the gradient by the two. It is
+        # written out: numpy hands each of them to LAPACK, whose threads wait for each other, minutes beside a solve.
         inverse = np.stack([np.stack([1.0 / length, zero], 1), np.stack([-x / (length * y), 1.0 / y], 1)], axis=1)
         across = np.concatenate([-inverse.sum(axis=2)[:, None], inverse.swapaxes(1, 2)], axis=1)
         area = 0.5 * length * y * importance
