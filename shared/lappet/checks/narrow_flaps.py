@@ -155,7 +155,8 @@ def narrowest_flap(
     for cut, line in zip(cuts, lines, strict=True):
         if cut.closed and seeds and _within(plane.flat(line), plane.flat(seeds)).any():
             grid.skin[grid.within(plane.flat(line))] = False
-    neck = _necks(grid)
+    ways = _Ways.of(grid)
+    neck = _necks(grid, ways)
     lifted = np.zeros_like(grid.skin)
     for outline in freed:
         lifted |= grid.within(plane.flat(outline))
@@ -166,10 +167,10 @@ def narrowest_flap(
     # What hangs on a neck of one width hangs on a wider one too and reaches farther from it: a bound for those between.
     for first in range(0, len(widths) - 1, _STRIDE):
         between = widths[first : first + _STRIDE + 1]
-        if _longest(grid, neck, between[-1], lifted, fed, above).length <= above * between[0]:
+        if _longest(grid, ways, neck, between[-1], lifted, fed, above).length <= above * between[0]:
             continue
         for width in between:
-            flap = _longest(grid, neck, width, lifted, fed, above)
+            flap = _longest(grid, ways, neck, width, lifted, fed, above)
             if flap.length > (above if best is None else best.ratio) * width:
                 best = NarrowFlap(plane.space(flap.tip), plane.space(flap.base), flap.length, float(width))
     return best
@@ -186,20 +187,22 @@ class _Reach:
 
 def _longest(
     grid: _Grid,
+    ways: _Ways,
     neck: NDArray[np.float64],
     width: float,
     lifted: NDArray[np.bool_],
-    fed: list[set[tuple[int, int]]],
+    fed: list[set[int]],
     above: float,
 ) -> _Reach:
     """The flap that reaches farthest from where a disk of this width comes from outside."""
-    reach, begins = _reaches(grid, neck, 0.5 * width)
-    free = sorted(((length, cell) for cell, length in reach.items() if lifted[cell]), reverse=True)
-    seen: set[tuple[int, int]] = set()
+    reach, begins = _reaches(ways, neck, 0.5 * width)
+    hangs = lifted.ravel()
+    free = sorted(((length, cell) for cell, length in reach.items() if hangs[cell]), reverse=True)
+    seen: set[int] = set()
     for length, tip in free:
         if length <= above * width or tip in seen:
             break
-        half = _outer_half(reach, tip)
+        half = _outer_half(ways, reach, tip)
         near = _NEAR_BASE * length
         if not any(piece & half and min(reach.get(cell, 0.0) for cell in piece) <= near for piece in fed):
             return _Reach(grid.place(tip), grid.place(begins[tip]), length)
@@ -207,34 +210,35 @@ def _longest(
     return _Reach(grid.low, grid.low, 0.0)
 
 
-def _necks(grid: _Grid) -> NDArray[np.float64]:
+def _necks(grid: _Grid, ways: _Ways) -> NDArray[np.float64]:
     """Half the width in mm of the narrowest place on the widest way to each cell from outside; 0 without a way."""
-    away, neck = grid.away(), np.zeros(grid.skin.shape)
-    heap = [(-float(away[0, 0]), (0, 0))]
-    neck[0, 0] = away[0, 0]
+    away: list[float] = grid.away().ravel().tolist()
+    neck = [0.0] * len(away)
+    heap = [(-away[0], 0)]
+    neck[0] = away[0]
     while heap:
         wide, cell = heapq.heappop(heap)
         if -wide < neck[cell]:
             continue
-        for other, _ in grid.beside(cell, diagonal=False):
-            through = min(-wide, float(away[other]))
+        for step in ways.straight[cell]:
+            other = cell + step
+            through = min(-wide, away[other])
             if through > neck[other]:
                 neck[other] = through
                 heapq.heappush(heap, (-through, other))
-    return neck
+    return np.array(neck).reshape(grid.skin.shape)
 
 
-def _reaches(
-    grid: _Grid, neck: NDArray[np.float64], half: float
-) -> tuple[dict[tuple[int, int], float], dict[tuple[int, int], tuple[int, int]]]:
+def _reaches(ways: _Ways, neck: NDArray[np.float64], half: float) -> tuple[dict[int, float], dict[int, int]]:
     """How far in mm each cell behind a neck of this half width is from outside, and from which cell."""
-    outside = neck > half
-    edge = np.zeros_like(outside)
-    edge[1:] |= outside[1:] & ~outside[:-1]
-    edge[:-1] |= outside[:-1] & ~outside[1:]
-    edge[:, 1:] |= outside[:, 1:] & ~outside[:, :-1]
-    edge[:, :-1] |= outside[:, :-1] & ~outside[:, 1:]
-    starts = [(int(i), int(j)) for i, j in np.argwhere(edge)]
+    beyond = neck > half
+    edge = np.zeros_like(beyond)
+    edge[1:] |= beyond[1:] & ~beyond[:-1]
+    edge[:-1] |= beyond[:-1] & ~beyond[1:]
+    edge[:, 1:] |= beyond[:, 1:] & ~beyond[:, :-1]
+    edge[:, :-1] |= beyond[:, :-1] & ~beyond[:, 1:]
+    starts: list[int] = np.flatnonzero(edge).tolist()
+    outside: list[bool] = beyond.ravel().tolist()
     reach = dict.fromkeys(starts, 0.0)
     begins = {cell: cell for cell in starts}
     heap = [(0.0, cell) for cell in starts]
@@ -242,19 +246,21 @@ def _reaches(
         length, cell = heapq.heappop(heap)
         if length > reach[cell]:
             continue
-        for other, step in grid.beside(cell):
-            if not outside[other] and length + step < reach.get(other, np.inf):
-                reach[other], begins[other] = length + step, begins[cell]
-                heapq.heappush(heap, (length + step, other))
+        for step, size in ways.all[cell]:
+            other = cell + step
+            if not outside[other] and length + size < reach.get(other, math.inf):
+                reach[other], begins[other] = length + size, begins[cell]
+                heapq.heappush(heap, (length + size, other))
     return reach, begins
 
 
-def _outer_half(reach: dict[tuple[int, int], float], tip: tuple[int, int]) -> set[tuple[int, int]]:
+def _outer_half(ways: _Ways, reach: dict[int, float], tip: int) -> set[int]:
     """The cells of a flap that are farther from its base than half of its length."""
     found, least, queue = {tip}, 0.5 * reach[tip], [tip]
     while queue:
-        i, j = queue.pop()
-        for other in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
+        cell = queue.pop()
+        for step in ways.straight[cell]:
+            other = cell + step
             if other not in found and reach.get(other, 0.0) > least:
                 found.add(other)
                 queue.append(other)
@@ -293,7 +299,7 @@ class _Plane:
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Cells of the plane around cuts: which of them are skin.
+    """Cells of the plane around cuts, counted row by row: which of them are skin.
 
     Parameters
     ----------
@@ -331,17 +337,18 @@ class _Grid:
         at = np.linspace(0.0, way[-1], int(way[-1] / (0.25 * self.cell)) + 2)
         return np.column_stack([np.interp(at, way, line[:, k]) for k in range(2)])
 
-    def uncut(self, line: NDArray[np.float64]) -> Iterator[set[tuple[int, int]]]:
+    def uncut(self, line: NDArray[np.float64]) -> Iterator[set[int]]:
         """The cells of each piece of a line that no cut divides."""
+        skin = self.skin.ravel()
         cells = [self.at(point) for point in self.fine(line)]
-        for whole, piece in itertools.groupby(cells, key=lambda cell: bool(self.skin[cell])):
+        for whole, piece in itertools.groupby(cells, key=lambda cell: bool(skin[cell])):
             if whole:
                 yield set(piece)
 
-    def at(self, point: NDArray[np.float64]) -> tuple[int, int]:
+    def at(self, point: NDArray[np.float64]) -> int:
         """The cell of a point (2,), the nearest one of the grid."""
         i, j = np.clip(np.round((point - self.low) / self.cell).astype(int), 0, np.array(self.skin.shape) - 1)
-        return int(i), int(j)
+        return int(i) * self.skin.shape[1] + int(j)
 
     def away(self) -> NDArray[np.float64]:
         """The distance in mm of each cell from the nearest that is not skin, 0 for those, shape (n, m)."""
@@ -353,33 +360,49 @@ class _Grid:
         away[self.skin] = self.cell * ClosestPoint(flat, np.column_stack([each, each, each])).query(cells)[2]
         return away
 
-    def beside(self, cell: tuple[int, int], diagonal: bool = True) -> Iterator[tuple[tuple[int, int], float]]:
-        """The cells of skin next to one, and their distance in mm; none across the corner of what is not skin."""
-        i, j = cell
-        high, wide = self.skin.shape
-        down, up, right, left = (
-            0 <= a < high and 0 <= b < wide and bool(self.skin[a, b])
-            for a, b in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
-        )
-        straight = (((i + 1, j), down), ((i - 1, j), up), ((i, j + 1), right), ((i, j - 1), left))
-        yield from ((other, self.cell) for other, free in straight if free)
-        if diagonal:
-            slanted = (
-                ((i + 1, j + 1), down and right),
-                ((i + 1, j - 1), down and left),
-                ((i - 1, j + 1), up and right),
-                ((i - 1, j - 1), up and left),
-            )
-            yield from ((other, 2**0.5 * self.cell) for other, free in slanted if free and self.skin[other])
-
-    def place(self, cell: ArrayLike) -> NDArray[np.float64]:
+    def place(self, cell: int) -> NDArray[np.float64]:
         """The middle of a cell in mm, shape (2,)."""
-        return self.low + self.cell * np.asarray(cell, np.float64)
+        return self.low + self.cell * np.array(divmod(cell, self.skin.shape[1]), np.float64)
 
     def within(self, outline: NDArray[np.float64]) -> NDArray[np.bool_]:
         """The cells inside a closed line (k, 2)."""
         cells = np.indices(self.skin.shape).reshape(2, -1).T
         return _within(outline, self.low + self.cell * cells).reshape(self.skin.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class _Ways:
+    """The ways from each cell to the cells of skin next to it, none across the corner of what is not skin.
+
+    Found once for a grid: every width goes over all of them again.
+
+    Parameters
+    ----------
+    straight
+        For each cell what leads to those beside it, above and below.
+    all
+        For each cell what leads to those and the slanted ones, each with its length in mm.
+    """
+
+    straight: list[tuple[int, ...]]
+    all: list[tuple[tuple[int, float], ...]]
+
+    @classmethod
+    def of(cls, grid: _Grid) -> _Ways:
+        """Find the ways of a grid."""
+        skin, wide = np.pad(grid.skin, 1), grid.skin.shape[1]
+        down, up, right, left = skin[2:, 1:-1], skin[:-2, 1:-1], skin[1:-1, 2:], skin[1:-1, :-2]
+        free = [down, up, right, left]
+        free += [down & right & skin[2:, 2:], down & left & skin[2:, :-2]]
+        free += [up & right & skin[:-2, 2:], up & left & skin[:-2, :-2]]
+        steps = (wide, -wide, 1, -1, wide + 1, wide - 1, 1 - wide, -1 - wide)
+        sizes = (grid.cell,) * 4 + (2**0.5 * grid.cell,) * 4
+        # Cells have 256 kinds of surroundings, a bit for each direction.
+        kind: list[int] = sum(each.astype(int) << k for k, each in enumerate(free)).ravel().tolist()  # type: ignore[union-attr]
+        open_in = [[k for k in range(8) if bits >> k & 1] for bits in range(256)]
+        straight = [tuple(steps[k] for k in ways if k < 4) for ways in open_in]
+        every = [tuple((steps[k], sizes[k]) for k in ways) for ways in open_in]
+        return cls([straight[bits] for bits in kind], [every[bits] for bits in kind])
 
 
 def _within(outline: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.bool_]:
