@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-_PAIRS = 4_000_000  # of a place and a triangle that are looked at at once
+_PAIRS = 100_000  # of a place and a triangle that are looked at at once: what the processor's caches hold
 _EDGE = 1e-9  # share of a triangle by which a place may lie outside it
 
 
