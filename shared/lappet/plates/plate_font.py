@@ -71,6 +71,7 @@ class PlateFont:
 
         own = Path(str(files("font_source_sans_pro") / "files" / "SourceSansPro-Regular.ttf"))
         self.path = path or own
+        self._embedded: dict[str, str] = {}  # by their characters: pictures of a film need the same again and again
         try:
             self._face = _simplified_chinese(self.path)
             self._font: Any = TTFont(self.path, fontNumber=self._face)
@@ -146,13 +147,19 @@ class PlateFont:
         str
             A data URL of a WOFF file; the same texts give the same one.
         """
+        characters = "".join(sorted({each for text in texts for each in text}))
+        if characters not in self._embedded:
+            self._embedded[characters] = self._subset(characters)
+        return self._embedded[characters]
+
+    def _subset(self, characters: str) -> str:
         from fontTools import subset
         from fontTools.ttLib import TTFont
 
         options = subset.Options(flavor="woff", notdef_outline=True, recalc_timestamp=False)
         font = TTFont(self.path, fontNumber=self._face, recalcTimestamp=False)
         cutter = subset.Subsetter(options)
-        cutter.populate(text="".join(sorted({each for text in texts for each in text})))
+        cutter.populate(text=characters)
         cutter.subset(font)
         font.flavor = "woff"
         buffer = io.BytesIO()
