@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 from lappet.checks.validation import check
 from lappet.models.body_package import is_fetched
+from lappet.models.new_model import new_model
 from lappet.models.regional_flaps import REGIONAL_FLAPS, flap_on_model
 from lappet.output.report import report
 from lappet.output.solve_to_cache import solve_procedure
@@ -25,6 +28,14 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch"),
 ]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def each_model_is_made_once() -> Iterator[None]:
+    """Operations on one model share it: it takes longer than what is drawn on it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lappet.models.regional_flaps.new_model", cache(new_model))
+        yield
 
 
 def test_the_example_writes_each_operation_and_names_them_for_a_wrong_name(tmp_path: Path) -> None:
