@@ -15,6 +15,8 @@ constexpr double kSuturePenalty = 50.0;
 constexpr double kMaxPenalty = 1000.0;
 // Faces face each other from this cosine between their normals on.
 constexpr double kFacing = -0.3;
+// Spacings by which the ends of a suture may be held apart by walls that touch and do not fit: chosen.
+constexpr double kHeldApart = 0.25;
 
 // How far a thread was drawn if it were as long as its ends are apart now.
 double closure_of(const SutureState& suture, double placed, double now) {
@@ -183,7 +185,7 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
     PointConstraint closing =
         make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
     if (ends_between_walls(suture)) {
-      closing.walls_keep = system_.self_contact_or_suspended()->distance_of_walls();
+      closing.walls_keep = std::max(system_.self_contact_or_suspended()->distance_of_walls(), kHeldApart * settings_.spacing);
       closing.drawn = suture.closure == 1.0;
     }
     return closing;

@@ -9,6 +9,7 @@
 
 #include "box.h"
 #include "cut_sheet.h"
+#include "grid_box.h"
 #include "solve/newton/equilibrium.h"
 #include "solve/subdomain/subdomain.h"
 #include "test_surfaces.h"
@@ -103,6 +104,42 @@ struct EverythingActs {
   }
 };
 
+// What the energy of the whole at u is more than that of a subdomain, whose forces and tangent are those of the whole.
+double rest_of_the_energy(System<double>& whole, const Subdomain<double>& subdomain, const Multipliers& multipliers,
+                          const std::vector<double>& u) {
+  System<double>& local = *subdomain.system;
+  const auto& nodes = subdomain.nodes;
+  const auto& moves = subdomain.moves;
+  std::vector<double> v;
+  for (const std::int32_t n : nodes)
+    for (int i = 0; i < 3; ++i) v.push_back(u[offset_of(3, n) + i]);
+  const Evaluation all = whole.evaluate(u, multipliers), own = local.evaluate(v, subdomain.multipliers);
+  whole.linearize(all, PsdProjection::kExact);
+  local.linearize(own, PsdProjection::kExact);
+  std::vector<double> x(u.size(), 0.0), y(u.size()), xv(v.size()), yv(v.size());
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (moves[n]) x[offset_of(3, nodes[n]) + i] = xv[3 * n + i] = normal(random);
+  whole.multiply(x, y);
+  local.multiply(xv, yv);
+  double most = 0.0, off = 0.0, tangent_off = 0.0, tangent_most = 0.0;
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t at = offset_of(3, nodes[n]) + i;
+      EXPECT_TRUE(moves[n] || own.gradient[3 * n + i] == 0.0);
+      if (!moves[n]) continue;
+      most = std::max(most, std::abs(all.gradient[at]));
+      off = std::max(off, std::abs(all.gradient[at] - own.gradient[3 * n + i]));
+      tangent_most = std::max(tangent_most, std::abs(y[at]));
+      tangent_off = std::max(tangent_off, std::abs(y[at] - yv[3 * n + i]));
+    }
+  EXPECT_LT(off, 1e-12 * most);
+  EXPECT_LT(tangent_off, 1e-12 * tangent_most);
+  return all.energy - own.energy;
+}
+
 TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenOnlyItMoves) {
   EverythingActs scene;
   System<double>& whole = *scene.system;
@@ -113,43 +150,10 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
   for (std::size_t n = 0; n < moving.size(); ++n)
     moving[n] = whole.is_free(n) && std::abs(scene.lattice.node_rest[n][0] - 4) < 1.6;
   const Subdomain<double> subdomain = restrict_to<double>(moving, whole, scene.u, scene.multipliers);
-  System<double>* local = subdomain.system.get();
-  const auto& nodes = subdomain.nodes;
-  const auto& moves = subdomain.moves;
-  EXPECT_EQ(local->point_constraints().size(), 3u);
-  EXPECT_LT(local->nodes(), whole.nodes() / 2);
+  EXPECT_EQ(subdomain.system->point_constraints().size(), 3u);
+  EXPECT_LT(subdomain.system->nodes(), whole.nodes() / 2);
 
-  const auto compare = [&](const std::vector<double>& u) {
-    std::vector<double> v;
-    for (const std::int32_t n : nodes)
-      for (int i = 0; i < 3; ++i) v.push_back(u[offset_of(3, n) + i]);
-    const Evaluation all = whole.evaluate(u, scene.multipliers), own = local->evaluate(v, subdomain.multipliers);
-    whole.linearize(all, PsdProjection::kExact);
-    local->linearize(own, PsdProjection::kExact);
-    std::vector<double> x(u.size(), 0.0), y(u.size()), xv(v.size()), yv(v.size());
-    std::mt19937 random(9);
-    std::normal_distribution<double> normal;
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-      for (std::size_t i = 0; i < 3; ++i)
-        if (moves[n]) x[offset_of(3, nodes[n]) + i] = xv[3 * n + i] = normal(random);
-    whole.multiply(x, y);
-    local->multiply(xv, yv);
-    double most = 0.0, off = 0.0, tangent_off = 0.0, tangent_most = 0.0;
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t at = offset_of(3, nodes[n]) + i;
-        EXPECT_TRUE(moves[n] || own.gradient[3 * n + i] == 0.0);
-        if (!moves[n]) continue;
-        most = std::max(most, std::abs(all.gradient[at]));
-        off = std::max(off, std::abs(all.gradient[at] - own.gradient[3 * n + i]));
-        tangent_most = std::max(tangent_most, std::abs(y[at]));
-        tangent_off = std::max(tangent_off, std::abs(y[at] - yv[3 * n + i]));
-      }
-    EXPECT_LT(off, 1e-12 * most);
-    EXPECT_LT(tangent_off, 1e-12 * tangent_most);
-    return all.energy - own.energy;
-  };
-  const double rest_of_the_energy = compare(scene.u);
+  const double rest = rest_of_the_energy(whole, subdomain, scene.multipliers, scene.u);
   auto moved = scene.u;
   std::mt19937 random(6);
   std::normal_distribution<double> normal;
@@ -157,7 +161,96 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
     if (moving[i / 3]) moved[i] += 0.05 * normal(random);
   const double before = whole.evaluate(scene.u, scene.multipliers).energy;
   EXPECT_GT(std::abs(whole.evaluate(moved, scene.multipliers).energy - before), 0.1);
-  EXPECT_NEAR(compare(moved), rest_of_the_energy, 1e-10 * std::abs(before));
+  EXPECT_NEAR(rest_of_the_energy(whole, subdomain, scene.multipliers, moved), rest, 1e-10 * std::abs(before));
+}
+
+// One block that is held from below, and another one above, held at one side; in millimeters.
+struct TwoBlocks {
+  Surface tissue;
+  Lattice lattice;
+  std::unique_ptr<System<double>> system;
+  std::vector<double> u;
+
+  explicit TwoBlocks(double side) : tissue(grid_box({0, 0, 0}, {side, side, 2}, 1.0)) {
+    append(tissue, grid_box({0, 0, 2.5}, {side, side, 4.5}, 0.7));
+    lattice = build_lattice(tissue, {});
+    const std::size_t triangles = tissue.triangles.size();
+    std::vector<std::uint8_t> fixed(triangles, 0);
+    for (std::size_t t = 0; t < triangles; ++t) fixed[t] = center(tissue, t)[2] < 1e-9 || (center(tissue, t)[0] < 1e-9 && center(tissue, t)[2] > 2.5);
+    system = std::make_unique<System<double>>(
+        lattice, CellMaterials{{skin()}}, 1,
+        attach(lattice, tissue, fixed, std::vector<std::uint8_t>(triangles, 0),
+               std::vector<std::int32_t>(triangles, -1), nullptr),
+        0, BedStiffness{}, Vec3::Zero());
+    system->set_self_contact(std::make_unique<SelfContact>(lattice, tissue, skin().youngs_modulus));
+    u.assign(3 * system->nodes(), 0.0);
+  }
+  // The upper one is pressed on the lower one, and bent.
+  void press() {
+    for (std::size_t n = 0; n < system->nodes(); ++n)
+      if (is_upper(n)) {
+        const double x = lattice.node_rest[n][0] - 4;
+        u[3 * n + 2] = -0.48 + 0.004 * x * x;
+      }
+  }
+  bool is_upper(std::size_t n) const { return system->fragment_of_node()[n] != system->fragment_of_node()[0]; }
+};
+
+TEST(LocalRelaxation, ASubdomainsPartOfWhatPressesIsThatOfTheWhole) {
+  TwoBlocks scene(8);
+  scene.press();
+  System<double>& whole = *scene.system;
+  const std::size_t pairs = whole.evaluate(scene.u, {}).self_contact.pairs.size();
+  ASSERT_GT(pairs, 20U);
+  // what moves: a part of the upper block alone, above what stays, and a part of both
+  for (const bool both : {false, true}) {
+    std::vector<std::uint8_t> moving(whole.nodes(), 0);
+    for (std::size_t n = 0; n < moving.size(); ++n)
+      moving[n] = whole.is_free(n) && (both || scene.is_upper(n)) && scene.lattice.node_rest[n][0] < 3.5;
+    const Subdomain<double> subdomain = restrict_to<double>(moving, whole, scene.u, {});
+    const std::size_t own = subdomain.system->evaluate(subdomain.u, {}).self_contact.pairs.size();
+    EXPECT_GT(own, 10U);
+    EXPECT_LT(own, pairs);
+    const double rest = rest_of_the_energy(whole, subdomain, {}, scene.u);
+    auto moved = scene.u;
+    std::mt19937 random(6);
+    std::normal_distribution<double> normal;
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      if (moving[i / 3]) moved[i] += 2e-3 * normal(random);
+    const double before = whole.evaluate(scene.u, {}).energy;
+    EXPECT_NEAR(rest_of_the_energy(whole, subdomain, {}, moved), rest, 1e-10 * std::abs(before));
+    // and no farther does it go
+    std::vector<double> fall(3 * subdomain.nodes.size(), 0.0), whole_fall(scene.u.size(), 0.0);
+    for (std::size_t n = 0; n < subdomain.nodes.size(); ++n)
+      if (subdomain.moves[n] && scene.is_upper(static_cast<std::size_t>(subdomain.nodes[n])))
+        fall[3 * n + 2] = whole_fall[offset_of(3, subdomain.nodes[n]) + 2] = -1.0;
+    const double share = whole.largest_step(scene.u, whole_fall, 1.0);
+    EXPECT_GT(share, 0.0);
+    EXPECT_LT(share, 0.1);
+    EXPECT_NEAR(subdomain.system->largest_step(subdomain.u, fall, 1.0), share, 1e-12);
+  }
+}
+
+TEST(LocalRelaxation, WhatIsRelaxedBesideTissueThatItTouchesDoesNotGoThroughIt) {
+  TwoBlocks scene(20);
+  SelfContact& contact = *scene.system->self_contact();
+  // at one place what lies above is as far down as it may go
+  std::vector<double> fall(scene.u.size(), 0.0);
+  for (std::size_t n = 0; n < scene.system->nodes(); ++n)
+    if (scene.is_upper(n) && (scene.lattice.node_rest[n] - Vec3(10, 10, 2)).norm() < 1.5) fall[3 * n + 2] = -1.0;
+  for (int step = 0; step < 2; ++step) {
+    const double share = scene.system->largest_step(scene.u, fall, 1.0);
+    for (std::size_t i = 0; i < fall.size(); ++i) scene.u[i] += share * fall[i];
+  }
+  const Evaluation before = scene.system->evaluate(scene.u, {});
+  const LocalRelaxation relaxed =
+      relax_locally<double>(*scene.system, scene.u, {}, before, 1e-6, false, [] { return false; });
+  EXPECT_TRUE(before.self_contact.touches());
+  EXPECT_GT(relaxed.newton_iterations, 1);
+  const Evaluation after = scene.system->evaluate(scene.u, {});
+  EXPECT_LT(after.energy, before.energy);
+  EXPECT_LT(after.residual, 0.3 * before.residual);
+  EXPECT_EQ(contact.count_piercings<double>(scene.u), 0U);
 }
 
 // An uncut sheet at rest in which some nodes are somewhere else.

@@ -71,7 +71,7 @@ struct PointConstraint {
   double stiffness = 0.0;     // mN/mm
   bool exact = false;         // a suture, a stiff hook
   double compliance = 0.0;    // mm/mN, of an exact point constraint: a suture has none
-  double walls_keep = 0.0;    // mm, of a suture between walls that touch: the distance that these keep
+  double walls_keep = 0.0;    // mm, of a suture between walls that touch: how far these may hold it open
   bool drawn = false;         // such a suture is to be closed wholly
   bool closed = false;        // and was when the search began, but for what its walls keep: it is drawn no further
   std::optional<Thread> thread;

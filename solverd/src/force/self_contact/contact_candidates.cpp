@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "force/self_contact/distances.h"
 #include "force/self_contact/separation.h"
@@ -33,6 +34,23 @@ void sort_from(std::vector<Pair>& pairs, std::ptrdiff_t begin, const Key& key) {
 }
 
 }  // namespace
+
+ContactCandidates::ContactCandidates(const ContactCandidates& whole, ContactSurface& subdomain)
+    : surface_(subdomain),
+      slack_(whole.slack_),
+      faces_left_out_(whole.faces_left_out_),
+      edges_left_out_(whole.edges_left_out_),
+      from_(whole.from_),
+      ways_(whole.ways_) {
+  const auto moves = [&](const std::array<Index, 4>& vertices) {
+    return std::ranges::any_of(vertices, [&](Index v) { return subdomain.embedded(v).cell >= 0; });
+  };
+  std::ranges::copy_if(whole.vertex_faces_, std::back_inserter(vertex_faces_), [&](const VertexFacePair& pair) {
+    return moves(subdomain.corners_of(pair.vertex, pair.face));
+  });
+  std::ranges::copy_if(whole.edges_, std::back_inserter(edges_),
+                       [&](const EdgePair& pair) { return moves(subdomain.ends_of(pair.first, pair.second)); });
+}
 
 const std::vector<Piercing>& ContactCandidates::piercings(const std::vector<Vec3>& places) {
   if (places == looked_at_) return piercings_;

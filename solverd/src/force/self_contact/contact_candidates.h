@@ -31,6 +31,10 @@ class ContactCandidates {
  public:
   // slack: mm. Keeps a reference to the surface.
   ContactCandidates(ContactSurface& surface, double slack) : surface_(surface), slack_(slack) {}
+  // Of those of the whole the ones that have a vertex that moves, of a surface of which only a subdomain does.
+  ContactCandidates(const ContactCandidates& whole, ContactSurface& subdomain);
+  ContactCandidates(const ContactCandidates&) = delete;
+  ContactCandidates& operator=(const ContactCandidates&) = delete;
 
   // Where edges go through faces in a state, places of the vertices, in order. Refits the tree.
   const std::vector<Piercing>& piercings(const std::vector<Vec3>& places);

@@ -42,7 +42,9 @@ bool are_in_one_piece(const Lattice& lattice, const std::array<Index, 4>& vertic
 }  // namespace
 
 ContactSurface::ContactSurface(const Lattice& lattice, const Surface& surface, double reach, const Interrupt& interrupt)
-    : lattice_(lattice),
+    : lattice_(&lattice),
+      whole_(&lattice),
+      points_(lattice.surface_points),
       reach_(reach),
       rest_(surface.points),
       triangles_(surface.triangles),
@@ -51,6 +53,18 @@ ContactSurface::ContactSurface(const Lattice& lattice, const Surface& surface, d
   find_edges();
   interrupt.check();
   find_areas();
+}
+
+template <class Real>
+ContactSurface::ContactSurface(const ContactSurface& whole, const Lattice& subdomain,
+                               std::span<const Index> place_of_cell, std::span<const Real> u)
+    : ContactSurface(whole) {
+  lattice_ = &subdomain;
+  whole.positions(u, still_);
+  own_points_.assign(whole.points_.begin(), whole.points_.end());
+  for (EmbeddedPoint& point : own_points_)
+    if (point.cell >= 0) point.cell = place_of_cell[point.cell];
+  points_ = own_points_;
 }
 
 std::array<Vec3, 3> ContactSurface::rest_of(Index triangle) const {
@@ -95,7 +109,7 @@ void ContactSurface::find_areas() {
       area_of_edge_[edges_of_triangle_[t][k]] += third;
     }
   }
-  const double face = lattice_.settings.spacing * lattice_.settings.spacing;
+  const double face = lattice_->settings.spacing * lattice_->settings.spacing;
   for (double& area : area_of_vertex_) area = std::max(area, kMinArea * face);
   for (double& area : area_of_edge_) area = std::max(area, kMinEdgeArea * face);
 }
@@ -105,7 +119,7 @@ double ContactSurface::reach_to(Index vertex, Index triangle) const {
   if (a == vertex || b == vertex || c == vertex) return 0.0;
   const double apart = std::sqrt(closest_on_triangle(rest_[vertex], rest_[a], rest_[b], rest_[c]).squared_distance);
   if (!(apart > kTouchesAtRest)) return 0.0;
-  const double share = are_in_one_piece(lattice_, corners_of(vertex, triangle)) ? kShareInPiece : kShareOfRest;
+  const double share = are_in_one_piece(*whole_, corners_of(vertex, triangle)) ? kShareInPiece : kShareOfRest;
   return std::min(reach_, share * apart);
 }
 
@@ -115,23 +129,30 @@ double ContactSurface::reach_of(Index edge, Index other) const {
   const auto [a, b, c, d] = at(rest_, ends);
   const double apart = std::sqrt(closest_on_segments(a, b, c, d).squared_distance);
   if (!(apart > kTouchesAtRest)) return 0.0;
-  const double share = are_in_one_piece(lattice_, ends) ? kEdgeShareInPiece : kEdgeShareOfRest;
+  const double share = are_in_one_piece(*whole_, ends) ? kEdgeShareInPiece : kEdgeShareOfRest;
   return std::min(kEdgeShare * reach_, share * apart);
 }
 
 template <class Real>
 void ContactSurface::positions(std::span<const Real> u, std::vector<Vec3>& result) const {
   displacements(u, result);
-  for_each_index(rest_.size(), [&](std::size_t v) { result[v] += rest_[v]; });
+  for_each_index(rest_.size(), [&](std::size_t v) {
+    if (points_[v].cell < 0)
+      result[v] = still_[v];
+    else
+      result[v] += rest_[v];
+  });
 }
 
 template <class Real>
 void ContactSurface::displacements(std::span<const Real> u, std::vector<Vec3>& result) const {
   result.resize(rest_.size());
   for_each_index(rest_.size(), [&](std::size_t v) {
-    const EmbeddedPoint& point = lattice_.surface_points[v];
+    const EmbeddedPoint& point = points_[v];
+    result[v].setZero();
+    if (point.cell < 0) return;
     Vec3 sum = Vec3::Zero();
-    for (std::size_t k = 0; k < 8; ++k) sum += point.weights[k] * NodeField(u)[lattice_.cell_nodes[point.cell][k]];
+    for (std::size_t k = 0; k < 8; ++k) sum += point.weights[k] * NodeField(u)[lattice_->cell_nodes[point.cell][k]];
     result[v] = sum;
   });
 }
@@ -141,6 +162,10 @@ std::size_t ContactSurface::bytes() const {
          edges_.size() * (4 * sizeof(Index) + sizeof(double)) + around_.bytes() + tree_.bytes();
 }
 
+template ContactSurface::ContactSurface(const ContactSurface&, const Lattice&, std::span<const Index>,
+                                        std::span<const float>);
+template ContactSurface::ContactSurface(const ContactSurface&, const Lattice&, std::span<const Index>,
+                                        std::span<const double>);
 template void ContactSurface::positions(std::span<const float>, std::vector<Vec3>&) const;
 template void ContactSurface::positions(std::span<const double>, std::vector<Vec3>&) const;
 template void ContactSurface::displacements(std::span<const float>, std::vector<Vec3>&) const;

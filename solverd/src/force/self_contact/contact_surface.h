@@ -40,13 +40,19 @@ class ContactSurface {
 
   // reach: mm. Keeps a reference to the lattice, which must have the embedded points of the surface.
   ContactSurface(const Lattice& lattice, const Surface& surface, double reach, const Interrupt& interrupt);
+  // The same surface where only a subdomain of its lattice moves. place_of_cell: per cell of the whole, its index in
+  // the subdomain, or -1; u: of the whole. Keeps references to the subdomain and to the lattice of the whole.
+  template <class Real>
+  ContactSurface(const ContactSurface& whole, const Lattice& subdomain, std::span<const Index> place_of_cell,
+                 std::span<const Real> u);
 
   std::size_t vertices() const { return rest_.size(); }
   double reach() const { return reach_; }
   const std::vector<std::array<Index, 3>>& triangles() const { return triangles_; }
   const std::vector<Edge>& edges() const { return edges_; }
-  const EmbeddedPoint& embedded(Index vertex) const { return lattice_.surface_points[vertex]; }
-  const Lattice& lattice() const { return lattice_; }
+  // Its cell is -1 where the vertex does not move.
+  const EmbeddedPoint& embedded(Index vertex) const { return points_[vertex]; }
+  const Lattice& lattice() const { return *lattice_; }
   const Vec3& rest(Index vertex) const { return rest_[vertex]; }
   std::array<Vec3, 3> rest_of(Index triangle) const;
   // Edge k of a triangle joins its corners k and k + 1.
@@ -90,7 +96,11 @@ class ContactSurface {
   void find_edges();
   void find_areas();
 
-  const Lattice& lattice_;
+  const Lattice* lattice_;
+  const Lattice* whole_;                    // the same, unless that is a subdomain
+  std::vector<EmbeddedPoint> own_points_;   // of a subdomain
+  std::vector<Vec3> still_;                 // where its vertices are that do not move; empty: all may
+  std::span<const EmbeddedPoint> points_;
   double reach_;
   std::vector<Vec3> rest_;
   std::vector<std::array<Index, 3>> triangles_, edges_of_triangle_;

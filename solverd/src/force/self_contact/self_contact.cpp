@@ -110,6 +110,7 @@ void SelfContact::add_gradient(std::span<const TouchingPair> pairs, std::span<do
 
 void SelfContact::add_force(Index vertex, const Vec3& force, std::span<double> gradient) const {
   const EmbeddedPoint& point = surface_.embedded(vertex);
+  if (point.cell < 0) return;
   const auto& nodes = surface_.lattice().cell_nodes[point.cell];
   for (std::size_t n = 0; n < 8; ++n)
     for (int i = 0; i < 3; ++i) gradient[offset_of(3, nodes[n]) + i] += point.weights[n] * force[i];
@@ -142,6 +143,7 @@ void SelfContact::add_row(const std::array<Index, 4>& vertices, const TangentRow
   for (std::size_t k = 0; k < 4 && vertices[k] >= 0; ++k) {
     if (row[k].isZero(0.0)) continue;
     const EmbeddedPoint& point = surface_.embedded(vertices[k]);
+    if (point.cell < 0) continue;
     for (std::size_t n = 0; n < 8; ++n) {
       if (point.weights[n] == 0.0) continue;
       const Vec3 factor = point.weights[n] * row[k];

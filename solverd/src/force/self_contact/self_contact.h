@@ -28,6 +28,14 @@ class SelfContact {
   // surface.
   SelfContact(const Lattice& lattice, const Surface& surface, double modulus, double friction = 0.0,
               const Interrupt& interrupt = {});
+  // The same where only a subdomain of the lattice moves, of a contact without friction: see ContactSurface.
+  template <class Real>
+  SelfContact(const SelfContact& whole, const Lattice& subdomain, std::span<const Index> place_of_cell,
+              std::span<const Real> u)
+      : surface_(whole.surface_, subdomain, place_of_cell, u),
+        candidates_(whole.candidates_, surface_),
+        stiffness_(whole.stiffness_),
+        friction_(0.0, 1.0) {}
   SelfContact(const SelfContact&) = delete;
   SelfContact& operator=(const SelfContact&) = delete;
 
@@ -69,6 +77,7 @@ class SelfContact {
   template <class Real>
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most);
 
+  bool has_friction() const { return friction_.acts(); }
   double stiffness() const { return stiffness_; }
   // Of two walls that sutures hold together, mm: they touch, and do not press on each other yet.
   double distance_of_walls() const { return surface_.reach(); }

@@ -45,7 +45,8 @@ std::vector<ContactGroup> group_contacts(const SparseRows& rows, std::span<const
   std::map<std::pair<Index, Index>, std::vector<std::size_t>> members;
   for (std::size_t row = 0; row < places.size(); ++row) {
     if (rows.start[row] == rows.start[row + 1]) continue;
-    const Index a = coarse_of[places[row].cell], b = coarse_of[places[row].other_cell];
+    const auto coarse = [&](Index cell) { return cell < 0 ? -1 : coarse_of[cell]; };  // what does not move has none
+    const Index a = coarse(places[row].cell), b = coarse(places[row].other_cell);
     members[{std::min(a, b), std::max(a, b)}].push_back(row);
   }
   std::vector<ContactGroup> result;

@@ -103,7 +103,8 @@ class EquilibriumSearch {
   void search() {
     evaluate();
     (void)rubs_otherwise();
-    if (now_.self_contact.touches()) system_.leave_closed(u_, multipliers_);
+    if (now_.self_contact.touches() && options_.accuracy != Accuracy::kRelaxation)
+      system_.leave_closed(u_, multipliers_);
     go_on_moving();
     while (true) {
       const bool carries = system_.prescribed_increment(u_, increment());
@@ -509,13 +510,16 @@ class EquilibriumSearch {
   // nodes: they go ahead.
   void relax() {
     if (now_.relative_residual <= options_.tolerance) return;
-    const BeforeShortcut state(*this);
+    // Clusters know what they touch, unless it rubs.
+    const bool knows = system_.self_contact() && !system_.self_contact()->has_friction();
+    std::optional<BeforeShortcut> state;
+    if (!knows) state.emplace(*this);
     const LocalRelaxation relaxed =
         relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);
     if (relaxed.nodes == 0) return;
     const double before = now_.relative_residual;
     evaluate();
-    if (state.is_undone()) return;
+    if (state && state->is_undone()) return;
     spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
                   relaxed.clusters, relaxed.newton_iterations, before, now_.relative_residual);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "math/disjoint_sets.h"
 #include "solve/newton/equilibrium.h"
@@ -17,8 +18,25 @@ constexpr double kOff = 0.1;         // nodes with this part of the largest forc
 constexpr double kOffShare = 0.5;    // ... and have at least this much of the squared residual
 constexpr double kMaxMoving = 0.05;  // of the free nodes
 constexpr double kReduction = 0.1;   // of the residual
+// Likewise where tissue presses on tissue: closed wounds touch all along, and what is left there holds up the whole.
+constexpr double kMaxMovingTouching = 0.3, kReductionTouching = 0.01;
 constexpr double kTighter = 0.3;     // than the tolerance need nothing be
 constexpr int kMaxNewton = 40;       // for each cluster
+
+// The nodes that pairs of the surface that touch hang on, which move.
+template <class Real, class Body>
+void for_each_touching(const System<Real>& system, std::span<const TouchingPair> pairs, const Body& body) {
+  if (!system.self_contact()) return;
+  const ContactSurface& surface = system.self_contact()->surface();
+  std::vector<Index> nodes;
+  for (const TouchingPair& pair : pairs) {
+    nodes.clear();
+    for (std::size_t k = 0; k < 4 && pair.vertices[k] >= 0; ++k)
+      if (const Index cell = surface.embedded(pair.vertices[k]).cell; cell >= 0 && pair.weights[k] != 0.0)
+        nodes.insert(nodes.end(), surface.lattice().cell_nodes[cell].begin(), surface.lattice().cell_nodes[cell].end());
+    body(nodes);
+  }
+}
 
 // The free nodes whose forces are the largest, and some rings of cells around them; empty where they are too many, or
 // where what is left of the residual is elsewhere.
@@ -29,11 +47,11 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const E
     const double* g = &now.gradient[3 * n];
     return g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
   };
-  double most = 0.0, share = 0.0;
-  for (std::size_t n = 0; n < size; ++n) most = std::max(most, squared(n));
+  double largest = 0.0, share = 0.0;
+  for (std::size_t n = 0; n < size; ++n) largest = std::max(largest, squared(n));
   std::vector<std::uint8_t> moving(size, 0);
   for (std::size_t n = 0; n < size; ++n)
-    if (system.is_free(n) && squared(n) >= kOff * kOff * most) {
+    if (system.is_free(n) && squared(n) >= kOff * kOff * largest) {
       moving[n] = 1;
       share += squared(n);
     }
@@ -46,19 +64,23 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const E
           grown[static_cast<std::size_t>(n)] = system.is_free(static_cast<std::size_t>(n));
     };
     for (const auto& corners : system.lattice().cell_nodes) grow(corners);
-    if (ring == 0)  // a suture moves both its ends
+    if (ring == 0) {  // a suture moves both its ends, and what presses what it presses on
       for (const PointConstraint& constraint : system.point_constraints()) grow(constraint.nodes());
+      for_each_touching(system, now.self_contact.pairs, grow);
+    }
     moving = std::move(grown);
   }
   const auto count = static_cast<double>(std::ranges::count(moving, std::uint8_t{1}));
-  if (count > kMaxMoving * static_cast<double>(system.free_nodes())) return {};
+  const double most = now.self_contact.touches() ? kMaxMovingTouching : kMaxMoving;
+  if (count > most * static_cast<double>(system.free_nodes())) return {};
   return moving;
 }
 
-// Which of the moving nodes hang together, by cells or by point constraints: numbers from 1 on, 0 where a node does not
-// move.
+// Which of the moving nodes hang together, by cells, by point constraints or by what presses: numbers from 1 on, 0 where
+// a node does not move.
 template <class Real>
-std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const std::uint8_t> moving, int& count) {
+std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const TouchingPair> pairs,
+                                   std::span<const std::uint8_t> moving, int& count) {
   DisjointSets sets(moving.size());
   const auto join = [&](const auto& nodes) {
     Index first = -1;
@@ -70,6 +92,7 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
   };
   for (const auto& corners : system.lattice().cell_nodes) join(corners);
   for (const PointConstraint& constraint : system.point_constraints()) join(constraint.nodes());
+  for_each_touching(system, pairs, join);
   std::vector<std::int32_t> number(moving.size(), 0);
   count = 0;
   for (std::size_t n = 0; n < moving.size(); ++n) {
@@ -81,18 +104,14 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
   return number;
 }
 
-// Takes a cluster to its own equilibrium; `moved` where that lowers the energy.
-template <class Real>
 struct RelaxedCluster {
-  Subdomain<Real> subdomain;
   int newton_iterations = 0;
   bool moved = false;
 };
+// Takes a cluster to its own equilibrium; `moved` where that lowers the energy.
 template <class Real>
-RelaxedCluster<Real> relax_cluster(const Subdomain<Real>& all, std::span<const std::uint8_t> own, double target,
-                                   bool inverts, const std::function<bool()>& stop) {
-  RelaxedCluster<Real> cluster{restrict_to<Real>(own, *all.system, all.u, all.multipliers)};
-  auto& [lattice, cells, nodes, moves, u, multipliers, system] = cluster.subdomain;
+RelaxedCluster relax_cluster(Subdomain<Real>& cluster, double target, bool inverts, const std::function<bool()>& stop) {
+  auto& [lattice, cells, nodes, moves, u, multipliers, system] = cluster;
   TwoLevel<Real> preconditioner(*system, kDegree);
   const EvaluationSummary start = system->evaluate(u, multipliers);
   EquilibriumOptions options;
@@ -103,9 +122,7 @@ RelaxedCluster<Real> relax_cluster(const Subdomain<Real>& all, std::span<const s
   options.accuracy = Accuracy::kRelaxation;
   const EquilibriumOutcome outcome =
       find_equilibrium<Real>(*system, preconditioner, u, multipliers, options, {[](int, double, double) {}, stop});
-  cluster.newton_iterations = outcome.newton_iterations;
-  cluster.moved = outcome.energy < start.energy;
-  return cluster;
+  return {outcome.newton_iterations, outcome.energy < start.energy};
 }
 
 }  // namespace
@@ -120,15 +137,18 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
   // First all together, so that each cluster is cut out of something small.
   Subdomain<Real> all = restrict_to<Real>(moving, system, u, multipliers);
   int count = 0;
-  const auto cluster_of = clusters(*all.system, all.moves, count);
+  const auto cluster_of = clusters(*all.system, now.self_contact.pairs, all.moves, count);
+  const double reduction = now.self_contact.touches() ? kReductionTouching : kReduction;
   const double target =
-      std::max(kReduction * now.residual, kTighter * tolerance * now.residual / now.relative_residual);
+      std::max(reduction * now.residual, kTighter * tolerance * now.residual / now.relative_residual);
   for (int k = 1; k <= count && !stop(); ++k) {
     std::vector<std::uint8_t> own(all.moves.size());
     for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == k;
-    const RelaxedCluster<Real> cluster = relax_cluster<Real>(all, own, target, inverts, stop);
+    std::optional<Subdomain<Real>> part;
+    if (count > 1) part = restrict_to<Real>(own, *all.system, all.u, all.multipliers);
+    const RelaxedCluster cluster = relax_cluster<Real>(part ? *part : all, target, inverts, stop);
     if (!cluster.moved) continue;
-    cluster.subdomain.write_back(all.u);
+    if (part) part->write_back(all.u);
     ++result.clusters;
     result.newton_iterations += cluster.newton_iterations;
     result.nodes += static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{1}));

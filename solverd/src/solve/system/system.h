@@ -72,7 +72,7 @@ class System {
     if (contact_) contact_->place_bones(motions);
   }
   const Contact* contact() const;
-  // What the surface does to itself; null: it passes through itself. A restricted system has none.
+  // What the surface does to itself; null: it passes through itself.
   void set_self_contact(std::unique_ptr<SelfContact> contact) { self_contact_ = std::move(contact); }
   // Null also while it is suspended, as in the search for a frame in which nothing may meet (session/find_frame.cpp).
   SelfContact* self_contact() const { return self_contact_suspended_ ? nullptr : self_contact_.get(); }
