@@ -12,7 +12,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.framing import TURN, WHOLE_FILL, SurgicalField, half_angles, surgical_field, viewpoint
 
-from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, set_render, set_size
+from ..figure.figure_scene import BACKDROP_REACH, Studio, add_backdrop, add_camera, add_lights, set_render, set_size
 from ..look.skin_material import backdrop_material
 from ..model.units import mm_per_unit
 from ..solving import frames
@@ -20,8 +20,10 @@ from . import skin_display
 from .display_collection import STAGE_OWNER as OWNER
 from .display_collection import find_collection
 from .solid_shading import shading_for
+from .stage_paper import remove_staged, see_far_enough, seen_reach, shorten_in_views
 
 NAME = "Lappet stage"
+_BELOW = 1.5  # mm from the lowest tissue to the paper
 _FRAMES = 9  # of a procedure, that the camera must hold
 
 
@@ -48,7 +50,9 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     render = scene.render
     pixels = (max(render.resolution_x, 1), max(render.resolution_y, 1))
     seen = viewpoint(field, view, half_angles(pixels), turned)
-    add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
+    paper = lowest - _BELOW
+    sheet = add_backdrop(field, paper, backdrop_material(), studio)
+    shorten_in_views(sheet, seen_reach(field, seen, half_angles(pixels), paper) / (BACKDROP_REACH * field.extent))
     add_lights(field, studio)
     add_camera(seen, studio)
     if engine != "keep":
@@ -58,6 +62,8 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     if collection is not None:
         collection["lappet_pixel"] = float(2 * seen.distance * half_angles(pixels)[0] / pixels[0])
     skin_display.refresh(scene)
+    bpy.context.view_layer.update()
+    see_far_enough([*studio.collection.objects, *(collection.objects if collection is not None else ())])
 
 
 def clear_stage(scene: bpy.types.Scene) -> bool:
@@ -65,7 +71,7 @@ def clear_stage(scene: bpy.types.Scene) -> bool:
     found = [c for c in scene.collection.children if OWNER in c and c[OWNER] == scene]
     for stage in found:
         for each in list(stage.objects):
-            bpy.data.objects.remove(each)
+            remove_staged(each)
         bpy.data.collections.remove(stage)
     return bool(found)
 
