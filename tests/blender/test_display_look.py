@@ -344,6 +344,19 @@ def test_the_stages_paper_fills_the_picture_in_a_view_and_reaches_the_horizon_in
     assert np.ptp(evaluated_corners(paper), axis=0).max() > 10.0 * widest
 
 
+def test_an_oblique_stage_is_seen_so_steeply_that_the_patch_fills_the_picture(shown: bpy.types.Scene) -> None:
+    """As a plate is: the rim of a patch is no part of an operation."""
+    bpy.ops.lappet.set_stage(engine="KEEP", view="OBLIQUE", width=1600, height=1200)
+    tissue = shown.lappet.tissue.object
+    skin = np.array([tissue.matrix_world @ Vector(each) for each in vertices(tissue)])
+    (west, south), (east, north) = skin[:, :2].min(axis=0), skin[:, :2].max(axis=0)
+    rim = [(west, south), (east, south), (east, north), (west, north)]
+    seen = [world_to_camera_view(shown, shown.camera, Vector((*each, skin[:, 2].max()))) for each in rim]
+    for (x, y, _), (next_x, next_y, _) in zip(seen, [*seen[1:], seen[0]], strict=True):
+        for corner_x, corner_y in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            assert (next_x - x) * (corner_y - y) > (next_y - y) * (corner_x - x)
+
+
 def test_a_stage_that_is_removed_leaves_no_nodes(shown: bpy.types.Scene) -> None:
     before = len(bpy.data.node_groups)
     bpy.ops.lappet.set_stage(engine="KEEP")
