@@ -21,7 +21,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from gallery import GALLERY, ROOT, arguments
+from gallery import GALLERY, ROOT, arguments, target_of
 from lappet.commands.plate_command import plate as plate_command
 from lappet.daemon.process import DaemonMissing, find_daemon
 from lappet.models.body_package import COMMAND, is_fetched
@@ -53,7 +53,7 @@ class Recipe:
 def recipes() -> list[Recipe]:
     """Every page of the gallery."""
     plates = tomllib.loads((GALLERY / "gallery.toml").read_text(encoding="utf-8"))["plate"]
-    makers = {_target(command): command for plate in plates for command in plate["commands"]}
+    makers = {target_of(command): command for plate in plates for command in plate["commands"]}
     return [_recipe(plate, makers) for plate in plates]
 
 
@@ -105,11 +105,6 @@ def write_gallery_blends(folder: Path, names: Sequence[str] = ()) -> list[Path]:
         command = [sys.executable, __file__, BLENDS, str(listed)]
         subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.DEVNULL)
     return sorted(folder / f"{each.name}.blend" for each in chosen)
-
-
-def _target(command: str) -> str:
-    words = shlex.split(command)
-    return words[words.index("-o") + 1] if "-o" in words else words[-1]
 
 
 def _recipe(plate: dict[str, Any], makers: dict[str, str]) -> Recipe:

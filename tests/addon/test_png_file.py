@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -39,3 +40,12 @@ def test_a_part_of_a_picture_is_refused_and_the_old_one_stays(tmp_path: Path, ke
         publish_png(draft, path)
     assert path.read_bytes() == png(4, 3)
     assert not draft.exists()
+
+
+def test_a_part_of_a_picture_on_a_full_disk_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    draft, path = tmp_path / ".draft.png", tmp_path / "picture.png"
+    draft.write_bytes(png(40, 30)[:100])
+    monkeypatch.setattr("lappet.core.durable.shutil.disk_usage", lambda _: SimpleNamespace(free=0))
+    with pytest.raises(FigureError, match=r"picture\.png: No space left on device; free some space"):
+        publish_png(draft, path)
+    assert list(tmp_path.iterdir()) == []

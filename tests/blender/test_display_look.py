@@ -8,6 +8,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
 from numpy.typing import NDArray
 
 from lappet.core.problem_code import ProblemCode
@@ -319,6 +321,56 @@ def test_framing_leaves_out_the_stage_and_nothing_else(shown: bpy.types.Scene) -
     assert set(off_stage(shown, layer)) == set(shown.objects) - before
     next(each for each in shown.objects if each.name == "Backdrop").hide_set(True)
     assert "Backdrop" not in [each.name for each in off_stage(shown, layer)]  # what the user hid stays hidden after
+
+
+@pytest.mark.parametrize("view", ["OBLIQUE", "TOP", "LOW"])
+def test_the_stages_paper_fills_the_picture_in_a_view_and_reaches_the_horizon_in_a_render(
+    shown: bpy.types.Scene, view: str
+) -> None:
+    """Frame All of a view holds the paper as the view shows it: were it all of it, the skin would be a dot."""
+    bpy.ops.lappet.set_stage(engine="KEEP", view=view, width=1600, height=1200)
+    paper, camera = shown.objects["Backdrop"], shown.camera
+    corners = evaluated_corners(paper)
+    picture = [world_to_camera_view(shown, camera, Vector(each)) for each in corners]
+    assert min(each.z for each in picture) > 0.0
+    for axis in (0, 1):
+        assert min(each[axis] for each in picture) < 0.0
+        assert max(each[axis] for each in picture) > 1.0
+    lights = np.array([each.location for each in shown.objects if each.type == "LIGHT"])
+    widest = float(np.ptp(lights, axis=0).max())
+    assert np.ptp(corners, axis=0).max() < 2.0 * widest
+    assert paper.modifiers[0].show_render
+    paper.modifiers[0].show_viewport = True
+    assert np.ptp(evaluated_corners(paper), axis=0).max() > 10.0 * widest
+
+
+def test_an_oblique_stage_is_seen_so_steeply_that_the_patch_fills_the_picture(shown: bpy.types.Scene) -> None:
+    """As a plate is: the rim of a patch is no part of an operation."""
+    bpy.ops.lappet.set_stage(engine="KEEP", view="OBLIQUE", width=1600, height=1200)
+    tissue = shown.lappet.tissue.object
+    skin = np.array([tissue.matrix_world @ Vector(each) for each in vertices(tissue)])
+    (west, south), (east, north) = skin[:, :2].min(axis=0), skin[:, :2].max(axis=0)
+    rim = [(west, south), (east, south), (east, north), (west, north)]
+    seen = [world_to_camera_view(shown, shown.camera, Vector((*each, skin[:, 2].max()))) for each in rim]
+    for (x, y, _), (next_x, next_y, _) in zip(seen, [*seen[1:], seen[0]], strict=True):
+        for corner_x, corner_y in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            assert (next_x - x) * (corner_y - y) > (next_y - y) * (corner_x - x)
+
+
+def test_a_stage_that_is_removed_leaves_no_nodes(shown: bpy.types.Scene) -> None:
+    before = len(bpy.data.node_groups)
+    bpy.ops.lappet.set_stage(engine="KEEP")
+    bpy.ops.lappet.set_stage(engine="KEEP")
+    assert len(bpy.data.node_groups) == before + 1
+    bpy.ops.lappet.clear_stage()
+    assert len(bpy.data.node_groups) == before
+
+
+def evaluated_corners(obj: bpy.types.Object) -> NDArray[np.float64]:
+    """The corners of a flat mesh in the world as its modifiers leave it in a view, shape (n, 3)."""
+    bpy.context.view_layer.update()
+    there = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return np.array([there.matrix_world @ vertex.co for vertex in there.data.vertices])
 
 
 def test_a_rendered_frame_shows_the_open_wound_where_the_closed_one_is_skin(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -12,11 +13,13 @@ from mathutils import Matrix
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, Thin, Undermine
+from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, SutureRun, Thin, Undermine
+from lappet.tissue.presets import PRESETS
 from lappet_blender.model import event_list, target_samples
 from lappet_blender.model.event_list import add_event, find_event, move_event, remove_event, rename_event
 from lappet_blender.model.event_values import event_value, set_event
 from lappet_blender.model.keyframes import curves_of
+from lappet_blender.model.material_values import find_material, material_values, set_material
 
 TOP = 4.0
 HOOK = Hook(
@@ -212,3 +215,25 @@ def test_the_list_is_ordered_by_time_and_ties_keep_their_order(scene: bpy.types.
     for kind, start in (("HOOK", 8), ("INCISION", 3), ("SUTURE", 8), ("UNDERMINE", 6)):
         add_event(scene, kind, start=start)
     assert event_list.sorted_events(scene) == [1, 3, 0, 2]
+
+
+def test_numbers_that_blender_cannot_hold_come_back_as_long_as_nobody_changes_them(scene: bpy.types.Scene) -> None:
+    """The frames of a procedure are found by it: the last digit of a design's stitches must not make them others."""
+    ends = (((0.0, 1.0, TOP), (9.0, 1.0, TOP)), ((0.0, -1.0, TOP), (9.0, -1.0, TOP)))
+    run = SutureRun("row", ends, 3.0, spacing=1.8234237920817506, margin=1.9599999999999997)
+    set_event(scene, add_event(scene, "SUTURE_RUN", name="row"), run)
+    event = find_event(scene, "row")
+    assert event_value(scene, event) == run
+    event.margin = 1.5
+    assert event_value(scene, event) == replace(run, margin=1.5)
+    set_event(scene, event, replace(run, spacing=float(np.float32(0.05))))
+    assert event_value(scene, event) == replace(run, spacing=0.05), "as an operator's property gives it"
+    set_event(scene, event, replace(run, spacing=2.0, margin=2.5))
+    assert event_value(scene, event) == replace(run, spacing=2.0, margin=2.5)
+    skin = replace(PRESETS["skin"].material, name="skin", youngs_modulus=1.5794000000000001)
+    entry = scene.lappet.materials.add()
+    set_material(scene, entry, skin)
+    assert material_values(scene)[-1] == skin
+    assert find_material(scene, skin) == "skin"
+    entry.youngs_modulus = 20.0
+    assert material_values(scene)[-1] == replace(skin, youngs_modulus=20.0)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import pytest
 
 import lappet_blender
 from fake_worker import Script
+from lappet.background.assessment import Assessment
 from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
@@ -56,6 +58,10 @@ def test_a_file_that_asks_for_it_is_solved_when_it_is_opened_and_only_once(
     assert frames.progress_of(scene).running
     run_timer(QUIET)
     assert states(scene) == "ssssssss"
+    assert opened_files.begin(scene), "its frames are there, but not how far they may be off"
+    script.assessment = Assessment()
+    run_timer(QUIET)
+    bpy.ops.lappet.solve(wait=True)
     assert not opened_files.begin(scene)
     scene.lappet.tissue.object = None
     assert opened_files.wanting(bpy.data.scenes) == []
@@ -201,3 +207,20 @@ def test_an_opened_file_whose_tissue_is_still_made_is_read_by_the_timer(
     bpy.ops.ed.undo_push(message="sewn")
     run_timer(QUIET)
     assert "t" in states(scene)
+
+
+def test_a_file_that_is_opened_while_another_is_solved_puts_the_status_bar_off(
+    patch: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else Blender crashes where a timer opens it: the next one would write to the bar of a workspace that is freed."""
+    calls: list[str] = []
+    timers = SimpleNamespace(
+        is_registered=lambda step: calls[-1:] != ["off"],
+        unregister=lambda step: calls.append("off"),
+        register=lambda step, first_interval, persistent: calls.append(f"on in {first_interval:g} s"),
+    )
+    app = SimpleNamespace(background=False, timers=timers)
+    monkeypatch.setattr(opened_files, "bpy", SimpleNamespace(app=app, data=bpy.data))
+    assert opened_files.wanting(bpy.data.scenes) == []
+    opened_files._loaded()
+    assert calls == ["off", "on in 0.5 s"]

@@ -202,6 +202,13 @@ def test_a_frame_that_is_not_to_be_trusted_says_so_and_what_was_done_otherwise_i
     assert "This frame is not to be trusted: its estimated error is 9 mm" in draw(LAPPET_PT_solve)[0]
     patch.frame_set(8)
     assert "stimated error" not in draw(LAPPET_PT_solve)[0]
+    assert "not estimated" not in draw(LAPPET_PT_solve)[0], "the estimate was tried"
+    controller.manifests.assessments.clear()
+    assert "The error of this frame is not estimated; Solve does it" in draw(LAPPET_PT_solve)[0]
+    patch.lappet.solving.error_estimate = False
+    assert "not estimated" not in draw(LAPPET_PT_solve)[0], "nobody wants it"
+    patch.lappet.solving.error_estimate = True
+    controller.manifests.assessments[controller.controller_of(patch).key] = script.assessment
     bpy.ops.lappet.problem_show(index=0)
     assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((3.0, 4.0, 5.0))
     known = controller.controller_of(patch)

@@ -20,6 +20,7 @@ from lappet.tissue.presets import PRESETS as PRESETS_OF_TISSUE
 from lappet_blender.events.flap_assets import size_of, suit_unit
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.start import asset_home, asset_items, asset_library, asset_operators, own_presets, template_files
+from lappet_blender.start import registration as start
 from lappet_blender.start.asset_library import TAG
 from lappet_blender.start.first_scene import fill_first_scene
 from lappet_blender.start.template_offer import draw_offer
@@ -30,8 +31,8 @@ TOP = 4.0
 
 
 @pytest.fixture
-def scripts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The user's scripts folder, an empty one."""
+def scripts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The user's scripts folder, an empty one, whose presets leave no name behind."""
 
     def user_resource(_kind: str, *, path: str = "", create: bool = False) -> str:
         folder = tmp_path / "scripts" / path
@@ -40,7 +41,8 @@ def scripts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         return str(folder)
 
     monkeypatch.setattr(bpy.utils, "user_resource", user_resource)
-    return tmp_path / "scripts"
+    yield tmp_path / "scripts"
+    own_presets.unregister()
 
 
 def test_the_template_is_written_where_blender_looks_and_taken_away_again(addon: None, scripts: Path) -> None:
@@ -342,3 +344,12 @@ def test_a_preset_of_ones_own_brings_every_value_back(patch: bpy.types.Scene, sc
     for field, value in kept.items():
         found = getattr(owner, field)
         assert (found if isinstance(found, str | bool | int) else pytest.approx(value, rel=1e-6)) == value
+
+
+def test_a_list_of_presets_has_its_name_again_once_the_add_on_is_off(patch: bpy.types.Scene, scripts: Path) -> None:
+    before = own_presets.LAPPET_PT_look_presets.bl_label
+    ops.look_preset_add(name="My Own")
+    assert own_presets.LAPPET_PT_look_presets.bl_label == "My Own"  # Blender's way to say which one is chosen
+    start.unregister()
+    start.register()
+    assert own_presets.LAPPET_PT_look_presets.bl_label == before

@@ -141,3 +141,25 @@ def test_values_of_a_sentence_stand_in_all_its_translations() -> None:
     for message in with_values:
         names = sorted(re.findall(r"{(\w+)}", message))
         assert all(sorted(re.findall(r"{(\w+)}", text)) == names for text in messages()[message]), message
+
+
+def composed(node: ast.AST) -> bool:
+    """Whether an f-string is in it that has words of its own, which Blender cannot translate."""
+    texts = [each for each in ast.walk(node) if isinstance(each, ast.JoinedStr)]
+    words = [part.value for each in texts for part in each.values if isinstance(part, ast.Constant)]
+    return any(re.search(r"[a-z]{3}", str(word)) for word in words)
+
+
+def test_headers_the_status_bar_and_buttons_have_no_words_that_are_put_together_in_english() -> None:
+    """Sentences with values go through `said`: the header while a tool is used, the status bar, labels and buttons."""
+    found = []
+    for file in sorted(ADDON.rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            shown: list[ast.AST] = []
+            if isinstance(node, ast.FunctionDef) and node.name == "text" and file.parent.name == "tools":
+                shown = [node]
+            elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+                shown = [each.value for each in node.keywords if each.arg == "text"]
+                shown += node.args if node.func.attr in ("status_text_set", "header_text_set") else []
+            found += [f"{file.name}:{each.lineno}" for each in shown if composed(each)]
+    assert found == []

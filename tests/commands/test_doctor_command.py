@@ -79,6 +79,7 @@ def test_powershell_gets_a_line_for_each_with_its_help() -> None:
     line = completed("powershell", COMP_LINE="lappet doct", COMP_WORD="doct")
     assert line == [f"doctor\t{cli.commands['doctor'].get_short_help_str()}"]
     assert completed("powershell", COMP_LINE="lappet completion ", COMP_WORD="") == list(completion_command.SHELLS)
+    assert completed("powershell", COMP_LINE="lappet report stability --only many", COMP_WORD="many") == ["'many cuts'"]
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
@@ -91,7 +92,21 @@ def test_bash_itself_completes_with_the_script(tmp_path: Path) -> None:
     COMP_WORDS=(lappet doct) COMP_CWORD=1
     _lappet_completion lappet doct lappet
     echo "${COMPREPLY[@]}"
+    COMPREPLY=() COMP_WORDS=(lappet report stability --only many) COMP_CWORD=4
+    _lappet_completion lappet many --only
+    echo "${COMPREPLY[@]}"
     """
     path = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
     said = subprocess.run(["bash", "-c", words], capture_output=True, text=True, check=True, env=path)
-    assert said.stdout.split() == ["doctor"]
+    assert said.stdout.splitlines() == ["doctor", "many\\ cuts"]
+
+
+@pytest.mark.skipif(shutil.which("fish") is None, reason="there is no fish")
+def test_fish_itself_completes_with_the_script(tmp_path: Path) -> None:
+    program = tmp_path / "lappet"
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m lappet "$@"\n', encoding="utf-8")
+    program.chmod(0o755)
+    words = "lappet completion fish | source; complete -C 'lappet models new web'"
+    path = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    said = subprocess.run(["fish", "--no-config", "-c", words], capture_output=True, text=True, check=True, env=path)
+    assert said.stdout.split() == ["web-space"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from pathlib import Path
@@ -212,3 +213,26 @@ def test_what_root_writes_belongs_to_whom_the_folder_belongs(folder: KeysFolder)
     folder.allow(User("anna", KEY, Role.AUTHOR))
     status = (folder.users_path / "anna.pub").stat()
     assert (status.st_uid, status.st_gid) == (61184, 61184)
+
+
+def test_a_disk_that_fills_between_the_two_files_of_a_pair_leaves_neither_and_is_said_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A secret without its public key would be in the way of the next try."""
+    sync, writes = os.fsync, []
+
+    def full(handle: int) -> None:
+        writes.append(handle)
+        if len(writes) == 3:  # the pair, its folder, the public key
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        sync(handle)
+
+    monkeypatch.setattr("lappet.daemon.key_writing.os.fsync", full)
+    with pytest.raises(OSError, match="No space left") as told:
+        new_own(tmp_path / "keys", "me")
+    assert told.value.filename == str(tmp_path / "keys" / "me.pub")
+    assert list((tmp_path / "keys").iterdir()) == []
+    monkeypatch.undo()
+    secret, public, pair = new_own(tmp_path / "keys", "me")
+    assert read_pair(secret) == pair
+    assert read_public(str(public)) == pair.public

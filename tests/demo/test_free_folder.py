@@ -24,10 +24,12 @@ def test_the_folder_of_an_earlier_demo_is_taken_again(tmp_path: Path) -> None:
     assert free_folder([tmp_path]) == first
 
 
-@pytest.mark.parametrize("kind", ["file", "folder"])
+@pytest.mark.parametrize("kind", ["file", "folder", "link"])
 def test_what_is_somebody_elses_is_left_alone(tmp_path: Path, kind: str) -> None:
     if kind == "file":
         (tmp_path / NAME).write_text("mine", encoding="utf-8")
+    elif kind == "link":
+        (tmp_path / NAME).symlink_to(tmp_path / "gone" / "long ago")
     else:
         (tmp_path / NAME).mkdir()
         (tmp_path / NAME / "mine.txt").write_text("mine", encoding="utf-8")
@@ -54,3 +56,13 @@ def test_no_place_at_all_is_refused_with_the_first(tmp_path: Path) -> None:
         free_folder([no_folder])
     assert told.value.problems[0].code == ProblemCode.FILE_ERROR
     assert str(no_folder) in told.value.problems[0].prim
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows keeps a folder that somebody is in")
+def test_from_a_folder_that_is_gone_it_goes_to_the_next_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "gone").mkdir()
+    (tmp_path / "documents").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    monkeypatch.setattr("platformdirs.user_documents_path", lambda: tmp_path / "documents")
+    assert free_folder() == tmp_path / "documents" / NAME

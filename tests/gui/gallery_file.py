@@ -1,6 +1,6 @@
-"""A project file of the gallery, opened in a real window: it says that it solves, solves, and its page is drawn.
+"""The project files of the gallery, opened in a real window: each says that it solves, and one solves and is drawn.
 
-`make projects` makes the file first; then `run.py gallery_file.py`.
+`make projects` makes the files first; then `run.py gallery_file.py`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from event_driver import Driver, Steps, run
 from tools import MODULE
 
-FILE = Path(__file__).resolve().parent.parent.parent / "build" / "gallery" / "blends" / "v_y.blend"
+FOLDER = Path(__file__).resolve().parent.parent.parent / "build" / "gallery" / "blends"
+FILE = FOLDER / "v_y.blend"
 
 
 def scenario(blender: Driver) -> Steps:
@@ -56,7 +57,32 @@ def scenario(blender: Driver) -> Steps:
     page = scene.lappet.pages[0]
     blender.expect((page.name, page.style) == ("v_y", "ink"), f"the gallery's page is there: {page.style}")
     yield 0.2
+    for file in sorted(FOLDER.glob("*.blend")):
+        if file != FILE:
+            yield from opened(blender, file)
+
+
+def opened(blender: Driver, file: Path) -> Steps:
+    """Opens another file: it begins to solve, without a problem that would stop it, and is stopped."""
+    bpy.ops.wm.open_mainfile("EXEC_DEFAULT", filepath=str(file))
+    yield 1.0
+    frames = import_module(f"{MODULE}.solving.frames")
+    scene = blender.window.scene
+    name = file.stem
+    yield from blender.wait_until(lambda: frames.progress_of(scene).running, 60.0, f"{name} solves when it is opened")
+    wrong = [each.message for each in frames.problems_of(scene) if each.severity == "error"]
+    blender.expect(not wrong, f"nothing is wrong with it: {wrong}")
+    view = blender.area().spaces.active.region_3d.view_perspective
+    blender.expect(view == "CAMERA", f"the view looks through the camera of the page: {view}")
+    pages = [each.name for each in scene.lappet.pages]
+    blender.expect(pages == [name], f"it has its page: {pages}")
+    yield 1.0
+    yield from blender.screenshot(name)
+    bpy.ops.lappet.solve_cancel()
+    yield from blender.wait_until(
+        lambda: not frames.progress_of(scene).running, 60.0, "and it stops when it is told to"
+    )
 
 
 if __name__ == "__main__":
-    run(scenario, limit=480.0)
+    run(scenario, limit=840.0)

@@ -62,6 +62,17 @@ def first_script(blender: Driver) -> Steps:
     corners = [blender.at(skin.matrix_world @ Vector(corner)) for corner in skin.bound_box]
     across = (max(x for x, _ in corners) - min(x for x, _ in corners)) / blender.region().width
     blender.expect(across > 0.3, f"Home frames the skin, and not the stage's paper: {across:.2f} of the view")
+    with blender.override():
+        bpy.ops.view3d.view_all(center=False)  # View > Frame All, which no extension can change
+    yield 1.0
+    yield from blender.screenshot("frame_all")
+    corners = [blender.at(skin.matrix_world @ Vector(corner)) for corner in skin.bound_box]
+    across = (max(x for x, _ in corners) - min(x for x, _ in corners)) / blender.region().width
+    space = blender.area().spaces.active
+    near = space.clip_end > 1.2 * space.region_3d.view_distance
+    blender.expect(
+        near and across > 0.07, f"Frame All shows it small, with the lights around it: {across:.2f} of the view"
+    )
     shown = [each.name for each in scene.objects if each.name == "Backdrop" and each.visible_get()]
     blender.expect(bool(shown), "the paper is still there")
     with blender.override():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,11 @@ def chosen() -> list[str]:
     return [event.name for event in bpy.context.scene.lappet.events if event.selected]
 
 
+def muted() -> list[str]:
+    """The events that do not take place."""
+    return [event.name for event in bpy.context.scene.lappet.events if not event.enabled]
+
+
 def shifted(at: Point, by: int) -> Point:
     """A pixel beside another."""
     return at[0] + by, at[1]
@@ -87,6 +93,8 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.screenshot("timeline")
     yield from dragging(blender)
     yield from stretching(blender)
+    yield from snapping(blender)
+    yield from several(blender)
     yield from steps(blender)
     yield from copies(blender)
     yield from tall(blender)
@@ -122,6 +130,7 @@ def stretching(blender: Driver) -> Steps:
     at = box(blender, "hook_1", 0.995)
     yield from blender.drag([at, shifted(at, pixels(blender, 2.2))])
     yield from blender.wait_until(lambda: span("hook_1") == (6.0, 22.0), 3.0, f"an end snaps: {span('hook_1')}")
+    yield from undone(blender, lambda: span("hook_1") == (6.0, 20.0), "its end is where it was")
     at = box(blender, "hook_2")
     yield from blender.move(at)
     blender.event("LEFTMOUSE", "PRESS")
@@ -132,18 +141,93 @@ def stretching(blender: Driver) -> Steps:
     blender.expect(span("hook_2") == (8.0, 18.0), f"Esc leaves it where it was: {span('hook_2')}")
 
 
+def undone(blender: Driver, condition: Callable[[], bool], sentence: str) -> Steps:
+    """One Ctrl-Z takes the last act back, as the condition tells."""
+    yield from blender.key("Z", ctrl=True)
+    yield from blender.wait_until(condition, 3.0, f"by one Ctrl-Z {sentence}")
+    yield 0.3
+
+
+def done_again(blender: Driver, condition: Callable[[], bool], sentence: str) -> Steps:
+    """One Ctrl-Shift-Z does it again."""
+    yield from blender.key("Z", ctrl=True, shift=True)
+    yield from blender.wait_until(condition, 3.0, f"by Ctrl-Shift-Z {sentence}")
+    yield 0.3
+
+
+def snapping(blender: Driver) -> Steps:
+    """Ctrl moves without snapping; where that left a strip, another one snaps."""
+    at = box(blender, "hook_2")
+    yield from blender.drag([at, shifted(at, pixels(blender, 0.4))], ctrl=True)
+    yield from blender.wait_until(
+        lambda: 8.1 < span("hook_2")[0] < 8.9, 3.0, f"Ctrl moves by parts of a frame: {span('hook_2')}"
+    )
+    odd = span("hook_2")[0]
+    at = box(blender, "hook_1")
+    yield from blender.drag([at, shifted(at, pixels(blender, odd - 6.0) + 4)])
+    yield from blender.wait_until(
+        lambda: abs(span("hook_1")[0] - odd) < 1e-4, 3.0, f"a begin snaps to that of another: {span('hook_1')}, {odd}"
+    )
+    yield from undone(blender, lambda: span("hook_1") == (6.0, 20.0), "hook_1 is where it was")
+    yield from undone(blender, lambda: span("hook_2") == (8.0, 18.0), "hook_2 is where it was")
+
+
+def several(blender: Driver) -> Steps:
+    """Two that are selected are dragged together, G moves without a button, a double click goes to the frame."""
+    yield from blender.click(box(blender, "suture_3"))
+    yield from blender.click(box(blender, "suture_4"), shift=True)
+    at = box(blender, "suture_4")
+    yield from blender.drag([at, shifted(at, pixels(blender, 2.1))])
+    yield from blender.wait_until(
+        lambda: (span("suture_3")[0], span("suture_4")[0]) == (28.0, 30.0), 3.0, f"both move: {span('suture_3')}"
+    )
+    yield from undone(
+        blender, lambda: (span("suture_3")[0], span("suture_4")[0]) == (26.0, 28.0), "both are where they were"
+    )
+    at = box(blender, "hook_2")
+    yield from blender.click(at)
+    yield from blender.key("G")
+    yield from blender.move(shifted(at, pixels(blender, 1)))
+    yield from blender.move(shifted(at, pixels(blender, 2.1)))
+    yield from blender.screenshot("moved_by_g")
+    yield from blender.key("RET")
+    yield from blender.wait_until(lambda: span("hook_2") == (10.0, 20.0), 3.0, f"G and Return move: {span('hook_2')}")
+    yield from undone(blender, lambda: span("hook_2") == (8.0, 18.0), "it is where it was")
+    bpy.context.scene.frame_set(1)
+    yield from blender.move(box(blender, "suture_2"))
+    with blender.override(area=EDITOR):  # a double click, which Blender does not simulate
+        bpy.ops.lappet.strip_jump("INVOKE_DEFAULT")
+    yield from blender.wait_until(
+        lambda: bpy.context.scene.frame_current == 24, 3.0, "a double click goes to the frame at which a strip begins"
+    )
+    keys = bpy.context.window_manager.keyconfigs.user.keymaps["Dopesheet"].keymap_items
+    values = [each.value for each in keys if each.idname == "lappet.strip_jump"]
+    blender.expect(values == ["DOUBLE_CLICK"], f"it hangs on the double click: {values}")
+
+
+def marked() -> list[tuple[int, str]]:
+    """The markers of the scene, by frame."""
+    return sorted((each.frame, each.name) for each in bpy.context.scene.timeline_markers)
+
+
 def steps(blender: Driver) -> Steps:
     """Markers name the steps; the name of one is dragged."""
     with blender.override(area=EDITOR):
         bpy.ops.lappet.steps_mark("EXEC_DEFAULT", True, language="en")
     yield 0.3
-    markers = [(each.frame, each.name) for each in bpy.context.scene.timeline_markers]
+    markers = marked()
     blender.expect((6, "Raised with hooks") in markers, f"markers name the steps: {markers}")
+    yield from undone(blender, lambda: marked() == [], "no marker is left")
+    yield from done_again(blender, lambda: marked() == markers, "the markers are there")
     yield from blender.screenshot("steps")
     area, region = blender.area(EDITOR), blender.region("WINDOW", EDITOR)
     bands = view().picture_in(bpy.context.scene, area.spaces.active, region).steps
     band = next(each for each in bands if each.step.name == "Closed with sutures")
     at = round(region.x + band.x0 + 20), round(region.y + 0.5 * (band.y0 + band.y1))
+    yield from blender.click(at)
+    every = ["suture_1", "suture_2", "suture_3", "suture_4"]
+    yield from blender.wait_until(lambda: chosen() == every, 3.0, f"a click on a step's name selects it: {chosen()}")
+    yield 0.5  # or it were a double click
     yield from blender.drag([at, shifted(at, pixels(blender, 3.1))])
     yield from blender.wait_until(
         lambda: span("suture_1")[0] == 25.0 and span("suture_4")[0] == 31.0,
@@ -152,6 +236,12 @@ def steps(blender: Driver) -> Steps:
     )
     frames = [each.frame for each in bpy.context.scene.timeline_markers if each.name == "Closed with sutures"]
     blender.expect(frames == [25], f"and its marker: {frames}")
+    yield from undone(
+        blender,
+        lambda: (span("suture_1")[0], span("suture_4")[0]) == (22.0, 28.0) and marked() == markers,
+        "all of it and the marker are where they were",
+    )
+    yield from done_again(blender, lambda: span("suture_1")[0] == 25.0, "the step is moved")
 
 
 def copies(blender: Driver) -> Steps:
@@ -163,10 +253,13 @@ def copies(blender: Driver) -> Steps:
     at = box(blender, "suture_2")
     yield from blender.move(at)
     yield from blender.key("H")
-    off = [event.name for event in bpy.context.scene.lappet.events if not event.enabled]
-    blender.expect(off == ["suture_1", "suture_2"], f"H mutes both: {off}")
+    blender.expect(muted() == ["suture_1", "suture_2"], f"H mutes both: {muted()}")
     yield from blender.screenshot("muted")
+    yield from undone(blender, lambda: muted() == [], "both take place")
+    yield from done_again(blender, lambda: muted() == ["suture_1", "suture_2"], "both are off")
+    yield from blender.move(box(blender, "suture_2"))
     yield from blender.key("H")
+    yield from blender.wait_until(lambda: muted() == [], 3.0, f"H once more: both are on: {muted()}")
     count = len(bpy.context.scene.lappet.events)
     yield from blender.click(box(blender, "hook_2"))
     at = box(blender, "hook_2")
@@ -179,6 +272,8 @@ def copies(blender: Driver) -> Steps:
         lambda: len(bpy.context.scene.lappet.events) == count + 1, 3.0, "Shift-D and a click add a copy"
     )
     blender.expect(chosen() == ["hook_3"] and span("hook_3")[0] > 14.0, f"it is selected, later: {span('hook_3')}")
+    yield from undone(blender, lambda: len(bpy.context.scene.lappet.events) == count, "the copy is gone")
+    yield from done_again(blender, lambda: len(bpy.context.scene.lappet.events) == count + 1, "it is there")
     yield from blender.move(box(blender, "hook_3"))
     yield from blender.key("X")
     yield from blender.wait_until(

@@ -7,11 +7,12 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
-from gallery import GALLERY
+from gallery import GALLERY, TOLD, cache_of, page, told
 from gallery_blends import ROOT, page_of, recipes, write_gallery_blends
 from lappet.designs.library_operation import flap_on_patch
 from website.pages import stage, with_project_files
@@ -102,3 +103,25 @@ def test_the_site_gets_the_projects_beside_the_pictures(tmp_path: Path) -> None:
     stage(ROOT, tmp_path / "pages", tmp_path / "files")
     assert (tmp_path / "pages/docs/gallery/v_y.blend").read_bytes() == b"BLENDER"
     assert "(v_y.blend)" in (tmp_path / "pages/docs/gallery/README.md").read_text(encoding="utf-8")
+
+
+def test_the_gallerys_page_says_of_its_frames_what_the_solve_says() -> None:
+    error = {"max": 0.68, "rms": 0.1}
+    report = {
+        "frames": [{"estimated_error_mm": {"max": 1.35}}, {"estimated_error_mm": error}],
+        "notes": [
+            {"severity": "warning", "prim": "Frames 24 to 40", "message": "Not to be trusted near (-6, 0, 4) mm."},
+            {"severity": "note", "prim": "", "message": "Of no one's concern."},
+        ],
+    }
+    said = told(report)
+    assert said == [
+        "Estimated error: 0.68 mm at most in the last frame, 1.4 mm in all.",
+        "Frames 24 to 40: Not to be trusted near (-6, 0, 4) mm.",
+    ]
+    plates = tomllib.loads((GALLERY / "gallery.toml").read_text(encoding="utf-8"))["plate"]
+    kept = json.loads(TOLD.read_text(encoding="utf-8"))
+    assert set(kept) == {cache_of(each) for each in plates}
+    assert all("Estimated error" in lines[0] for lines in kept.values())
+    assert (GALLERY / "README.md").read_text(encoding="utf-8") == page(plates, kept)
+    assert "- Frames 24 to 40: Not" in page(plates, {**kept, "v_y.usdc": said})

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lappet.background.assessment import Assessment, assessment_key
 from lappet.cutting.epoch import Regions
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_diagnostics import Diagnostics
@@ -117,6 +118,15 @@ def test_every_solve_estimates_its_error_and_one_without_the_estimate_solves_not
     with_it = solve_procedure(procedure, tmp_path / "a.usdc", store=FrameStore(tmp_path / "a"))
     without = solve_procedure(procedure, tmp_path / "b.usdc", store=FrameStore(tmp_path / "b"), error_estimate=False)
     assert without.errors is None
+    # Blender, which finds the frames in the store, finds there how far they may be off.
+    key = assessment_key([frame.key for frame in with_it.frames], True, with_it.procedure)
+    kept = FrameStore(tmp_path / "a").get(key, Assessment)
+    assert kept is not None
+    assert with_it.errors is not None
+    assert kept.errors == with_it.errors.frames
+    last_measures = with_it.measures[-1]
+    pulling = [*(each.suture for each in last_measures.sutures), *(each.hook for each in last_measures.hooks)]
+    assert [each.event for each in kept.pulls[-1]] == pulling
     assert all(len(frame.solved.correction) == 0 for frame in without.frames)
     errors = with_it.errors
     assert errors is not None

@@ -96,7 +96,12 @@ def test_a_usd_mesh_is_read_in_its_units_and_placement(tmp_path):
     tissue, lines = new_tissue(tmp_path / "box.usda")
     assert volume(tissue_surface(tissue)) == pytest.approx(60_000.0, rel=1e-5)
     assert tissue.points[:, 2].min() == pytest.approx(75.0)
-    assert any("0.01 m per unit" in line for line in lines.lines)
+    assert any("the stage says 0.01 m per unit" in line for line in lines.lines)
+    stage.ClearMetadata("metersPerUnit")
+    stage.Save()
+    silent, lines = new_tissue(tmp_path / "box.usda")
+    assert np.array_equal(silent.points, tissue.points)
+    assert any("cm by USD's default, as the stage says none; --units says" in line for line in lines.lines)
 
 
 @pytest.mark.parametrize(("factor", "guess"), [(0.001, "m"), (0.1, "cm"), (1 / 25.4, "in"), (1.0, "mm")])

@@ -6,13 +6,22 @@ from dataclasses import replace
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.background.manifest import Manifest
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.drawing.framing import TURN, WHOLE_FILL, SurgicalField, half_angles, surgical_field, viewpoint
+from lappet.drawing.framing import (
+    WHOLE_FILL,
+    SurgicalField,
+    half_angles,
+    surgical_field,
+    viewpoint,
+    viewpoint_on_skin,
+)
+from lappet.drawing.skin_fields import SKIN
 
-from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, set_render, set_size
+from ..figure.figure_scene import BACKDROP_REACH, Studio, add_backdrop, add_camera, add_lights, set_render, set_size
 from ..look.skin_material import backdrop_material
 from ..model.units import mm_per_unit
 from ..solving import frames
@@ -20,8 +29,10 @@ from . import skin_display
 from .display_collection import STAGE_OWNER as OWNER
 from .display_collection import find_collection
 from .solid_shading import shading_for
+from .stage_paper import remove_staged, see_far_enough, seen_reach, shorten_in_views
 
 NAME = "Lappet stage"
+_BELOW = 1.5  # mm from the lowest tissue to the paper
 _FRAMES = 9  # of a procedure, that the camera must hold
 
 
@@ -35,20 +46,23 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     if shown is None:
         raise refused(ProblemCode.FIGURE_NOTHING_SHOWN, scene.name)
     units = 1.0 / mm_per_unit(scene)
-    field, lowest = _framed(scene, shown.manifest)
-    turned = TURN
+    field, lowest, skin = _framed(scene, shown.manifest)
     other = scene.lappet.compare_with
     beside = None if other is None or other == scene else frames.shown_at(other, scene.frame_current)
     if other is not None and beside is not None:
         field, lowest = _both(scene, field, lowest, other, beside.manifest, shown.manifest)
-        turned = 0.0
     studio = Studio(scene, _empty_stage(scene), units)
     if size != (0, 0):
         set_size(size, samples, scene)
     render = scene.render
     pixels = (max(render.resolution_x, 1), max(render.resolution_y, 1))
-    seen = viewpoint(field, view, half_angles(pixels), turned)
-    add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
+    if beside is not None:
+        seen = viewpoint(field, view, half_angles(pixels), turned=0.0)
+    else:
+        seen = viewpoint_on_skin(field, view, half_angles(pixels), skin)  # as a plate is seen, without the patch's rim
+    paper = lowest - _BELOW
+    sheet = add_backdrop(field, paper, backdrop_material(), studio)
+    shorten_in_views(sheet, seen_reach(field, seen, half_angles(pixels), paper) / (BACKDROP_REACH * field.extent))
     add_lights(field, studio)
     add_camera(seen, studio)
     if engine != "keep":
@@ -58,6 +72,8 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     if collection is not None:
         collection["lappet_pixel"] = float(2 * seen.distance * half_angles(pixels)[0] / pixels[0])
     skin_display.refresh(scene)
+    bpy.context.view_layer.update()
+    see_far_enough([*studio.collection.objects, *(collection.objects if collection is not None else ())])
 
 
 def clear_stage(scene: bpy.types.Scene) -> bool:
@@ -65,7 +81,7 @@ def clear_stage(scene: bpy.types.Scene) -> bool:
     found = [c for c in scene.collection.children if OWNER in c and c[OWNER] == scene]
     for stage in found:
         for each in list(stage.objects):
-            bpy.data.objects.remove(each)
+            remove_staged(each)
         bpy.data.collections.remove(stage)
     return bool(found)
 
@@ -81,8 +97,8 @@ def _empty_stage(scene: bpy.types.Scene) -> bpy.types.Collection:
     return stage
 
 
-def _framed(scene: bpy.types.Scene, manifest: Manifest) -> tuple[SurgicalField, float]:
-    """The field of a manifest over some of its frames, and the lowest point along its normal, mm."""
+def _framed(scene: bpy.types.Scene, manifest: Manifest) -> tuple[SurgicalField, float, NDArray[np.float64]]:
+    """The field of a manifest over some of its frames, the lowest point along its normal and the first skin, in mm."""
     shown = frames.shown_at(scene, scene.frame_current)
     assert shown is not None
     source = skin_display.decorations_of(scene, shown).source
@@ -90,7 +106,9 @@ def _framed(scene: bpy.types.Scene, manifest: Manifest) -> tuple[SurgicalField, 
     spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
     field = surgical_field(source, spread)
     lowest = min(float((source.positions(source.epoch_at(t), t) @ field.normal).min()) for t in spread)
-    return field, lowest
+    first = source.epoch_at(times[0])
+    skin = source.positions(first, times[0])[np.unique(first.triangles[first.origin == SKIN])]
+    return field, lowest, skin
 
 
 def _both(
@@ -104,7 +122,7 @@ def _both(
     """The field of two skins side by side, whole, with their labels."""
     own, theirs = skin_display.rest_box(manifest), skin_display.rest_box(beside)
     gap = skin_display.offset_of(scene, own, theirs)
-    _, other_lowest = _framed(other, beside)
+    _, other_lowest, _ = _framed(other, beside)
     own[1][1] += skin_display.LABEL_GAP + skin_display.LABEL_SIZE
     boxes = [own, theirs + np.array([gap, 0.0, 0.0])]
     points = np.array([(x, y, z) for b in boxes for x in b[:, 0] for y in b[:, 1] for z in b[:, 2]])

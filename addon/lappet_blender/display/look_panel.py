@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..interface.said import said
 from ..interface.sidebar_panel import CLOSED, SidebarPanel, draw_presets
 from .look_materials import quantity_of
 
@@ -63,7 +64,7 @@ class LAPPET_PT_compare(SidebarPanel, bpy.types.Panel):
         if other == context.scene:
             layout.label(text="A scene cannot be compared with itself", icon="ERROR")
         elif other.lappet.tissue.object is None:
-            layout.label(text=f"{other.name} has no tissue", icon="ERROR")
+            layout.label(text=said("{name} has no tissue", name=other.name), icon="ERROR")
 
 
 CLASSES = (LAPPET_PT_look, LAPPET_PT_compare)

@@ -10,6 +10,7 @@ import bpy
 from lappet.core.value_with_error import with_error
 from lappet.designs.library import DESIGNS
 
+from ..interface.said import said
 from ..interface.sidebar_panel import SidebarPanel, draw_presets, with_fields
 from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
@@ -195,7 +196,7 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             fields.prop(event, "label")
     if event.kind in CUT_KINDS and event.kind != "EXCISION":
         fields.prop(event, "basis")
-        fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
+        fields.label(text=said("Points: {count}", count=len(event.points)))
     if event.kind in ("HOOK", "SUTURE"):
         _draw_pull(layout, scene, event)
     elif event.kind == "SUTURE_RUN":
@@ -208,7 +209,7 @@ def _draw_pull(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
     if pull is None:
         return
     if pull.resolved:
-        layout.label(text=f"Pulls with {with_error(pull.force_mn, pull.error_mn)} mN in this frame")
+        layout.label(text=said("Pulls with {force} mN in this frame", force=with_error(pull.force_mn, pull.error_mn)))
     else:
         layout.label(text="The lattice does not part its ends: no force", icon="ERROR")
 
@@ -234,7 +235,7 @@ def draw_run(fields: Any, scene: bpy.types.Scene, event: Any) -> None:
         row.prop(layer, "depth", text=layer.name.capitalize())
         row.prop(layer, "between", text="", icon="ALIGN_JUSTIFY")
     count = len(stitches_of(scene, event))
-    fields.label(text=f"{count} stitch{'es' * (count != 1)}" if count else "It cannot be sewn as it is", icon="INFO")
+    fields.label(text=said("Stitches: {count}", count=count) if count else "It cannot be sewn as it is", icon="INFO")
 
 
 def _draw_pulls(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
@@ -242,9 +243,10 @@ def _draw_pulls(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
     pulls = pulls_of_run(scene, scene.frame_current, event.name)
     if pulls:
         most = max(pulls, key=lambda each: each.force_mn)
-        layout.label(text=f"Pulls with {sum(each.force_mn for each in pulls):.3g} mN in all in this frame")
+        total = f"{sum(each.force_mn for each in pulls):.3g}"
+        layout.label(text=said("Pulls with {force} mN in all in this frame", force=total))
         name = most.event.partition("/")[2]
-        layout.label(text=f"Most: {with_error(most.force_mn, most.error_mn)} mN at {name}")
+        layout.label(text=said("Most: {force} mN at {name}", force=with_error(most.force_mn, most.error_mn), name=name))
 
 
 CLASSES = (LAPPET_UL_events, LAPPET_MT_event_add, LAPPET_PT_timeline)

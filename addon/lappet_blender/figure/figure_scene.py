@@ -16,6 +16,7 @@ from ..look.skin_import import SCALE
 from .png_file import publish_png
 
 ENGINES = {"cycles": "CYCLES", "workbench": "BLENDER_WORKBENCH"}
+BACKDROP_REACH = 60.0  # of the paper from its middle, times the field's extent: to the horizon of a low camera
 
 
 def clear_scene() -> bpy.types.Scene:
@@ -94,17 +95,18 @@ def add_lights(field: SurgicalField, studio: Studio, key: float = 11.5, sky: flo
     background.inputs["Strength"].default_value = sky
 
 
-def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Material, studio: Studio) -> None:
+def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Material, studio: Studio) -> bpy.types.Object:
     """A wide sheet of paper across the field's normal. lowest: mm along the normal, under everything."""
     axes = np.stack([field.right, field.up, field.normal])
     middle = field.center + (lowest - field.center @ field.normal) * field.normal
-    half = 60.0 * field.extent
+    half = BACKDROP_REACH * field.extent
     corners = [middle + half * (x * axes[0] + y * axes[1]) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     mesh = bpy.data.meshes.new("Backdrop")
     mesh.from_pydata([tuple(c * studio.units) for c in corners], [], [(0, 1, 2, 3)])
     mesh.materials.append(material)
     sheet = bpy.data.objects.new("Backdrop", mesh)
     studio.collection.objects.link(sheet)
+    return sheet
 
 
 def set_render(scene: bpy.types.Scene, engine: str, threads: int = 0, textured: bool = False) -> None:

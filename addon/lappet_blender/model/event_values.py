@@ -32,6 +32,7 @@ from .decimals import decimal
 from .event_kinds import BASIS_OF, MODE_OF, THREAD_OF
 from .event_list import add_event, event_time, numbered_name, set_points, target_name, unique_name
 from .event_target import is_there, make_target, set_keyframes
+from .exact_numbers import keep_exact, with_exact
 from .suture_run_values import run_value, set_run
 from .target_samples import hook_samples, motion_samples
 from .units import mm_per_unit, to_world
@@ -46,6 +47,12 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
     Raises RefusedError ("what is wrong; the remedy") where the target of a hook or retractor is not in the scene, or a
     hook or suture has not the points that it needs.
     """
+    value: Event = with_exact(event, _shown_value(scene, event))
+    return value
+
+
+def _shown_value(scene: bpy.types.Scene, event: Any) -> Event:
+    """The value that the properties show."""
     name, time = str(event.name), event_time(event)
     points = _points(event)
     basis = BASIS_OF[event.basis]
@@ -158,6 +165,7 @@ def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
             event.start = scene.frame_start
             event.label = value.label
             set_points(event, value.points)
+    keep_exact(event, value)
     changed(scene)
 
 

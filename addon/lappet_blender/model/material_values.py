@@ -10,6 +10,7 @@ import bpy
 from lappet.procedure import Material, Region
 
 from .decimals import decimal, decimals
+from .exact_numbers import keep_exact, with_exact
 from .keyframes import curves_of, samples
 
 _NUMBERS = (
@@ -32,26 +33,29 @@ def material_values(scene: bpy.types.Scene) -> tuple[Material, ...]:
     found = []
     for each in scene.lappet.materials:
         numbers = {name: _third(name, decimal(getattr(each, name))) for name in _NUMBERS}
-        found.append(
-            Material(
-                name=each.name,
-                model=each.model,
-                fiber_direction=decimals(each.fiber_direction),  # type: ignore[arg-type]
-                prestretch=decimals(each.prestretch),  # type: ignore[arg-type]
-                muscle_activation=_activation(scene, each, curves.get(each.path_from_id("activation"))),
-                **numbers,
-            )
+        shown = Material(
+            name=each.name,
+            model=each.model,
+            fiber_direction=decimals(each.fiber_direction),  # type: ignore[arg-type]
+            prestretch=decimals(each.prestretch),  # type: ignore[arg-type]
+            muscle_activation=_activation(scene, each, curves.get(each.path_from_id("activation"))),
+            **numbers,
         )
+        found.append(with_exact(each, shown))
     return tuple(found)
 
 
 def find_material(scene: bpy.types.Scene, wanted: Material) -> str | None:
     """The name of a material of the scene that has the values of one, whatever that is called; None for none."""
-    numbers = {name: decimal(getattr(wanted, name)) for name in _NUMBERS}  # as the scene's properties give them back
-    numbers["fiber_dispersion"] = _third("fiber_dispersion", numbers["fiber_dispersion"])
-    vectors = {name: decimals(getattr(wanted, name)) for name in ("fiber_direction", "prestretch")}
-    kept = replace(wanted, **numbers, **vectors)  # type: ignore[arg-type]
-    return next((each.name for each in material_values(scene) if replace(each, name=wanted.name) == kept), None)
+    there, shown = material_values(scene), _shown(wanted)
+    return next((each.name for each in there if _shown(replace(each, name=wanted.name)) == shown), None)
+
+
+def _shown(material: Material) -> Material:
+    """A material as the scene's properties show it."""
+    numbers = {name: decimal(getattr(material, name)) for name in _NUMBERS}
+    vectors = {name: decimals(getattr(material, name)) for name in ("fiber_direction", "prestretch")}
+    return replace(material, **numbers, **vectors)  # type: ignore[arg-type]
 
 
 def _third(name: str, value: float) -> float:
@@ -74,6 +78,7 @@ def set_material(scene: bpy.types.Scene, each: bpy.types.PropertyGroup, material
     for name in _NUMBERS:
         setattr(each, name, getattr(material, name))
     each.fiber_direction, each.prestretch = material.fiber_direction, material.prestretch
+    keep_exact(each, material)
     path = each.path_from_id("activation")
     for curve in [c for c in curves_of(scene) if c.data_path == path]:
         for point in reversed(list(curve.keyframe_points)):

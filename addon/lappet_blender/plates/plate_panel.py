@@ -6,6 +6,7 @@ from typing import Any
 
 import bpy
 
+from ..interface.said import said
 from ..interface.sentence_lines import draw_sentence
 from ..interface.sidebar_panel import CLOSED, SidebarPanel, draw_presets, with_fields
 from ..model.plate_names import active_annotation, active_panel, active_plate
@@ -40,7 +41,7 @@ class LAPPET_UL_plate_panels(bpy.types.UIList):
         row = layout.row(align=True)
         row.prop(item, "title", text="", emboss=False, icon="IMAGE_PLANE" if not item.inset_of else "ZOOM_IN")
         if item.step == "FRAME":
-            row.label(text=f"frame {item.time:g}")
+            row.label(text=said("frame {frame}", frame=f"{item.time:g}"))
         elif item.step != item.name:  # a panel is called after its step until it is renamed
             row.label(text=item.step)
 

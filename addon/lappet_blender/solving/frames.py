@@ -82,6 +82,11 @@ def error_of(scene: bpy.types.Scene, time: float) -> FrameErrorEstimate | None:
     return errors[index] if index < len(errors) else None
 
 
+def is_assessed(scene: bpy.types.Scene) -> bool:
+    """Whether anybody has looked at the frames as a whole: how far they may be off, and what is suspicious."""
+    return controller_of(scene).key in manifests.assessments
+
+
 def pull_of(scene: bpy.types.Scene, time: float, event: str) -> Pull | None:
     """What a suture or hook pulls with in the frame at a time; None where it does not, or where that is not known."""
     assessment, index = _assessed(scene, time)

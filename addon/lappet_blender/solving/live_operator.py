@@ -4,6 +4,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..interface.operator_base import NO_UNDO, OperatorBase
+from ..interface.said import said
 from .controller import controller_of, find_controller
 from .frames import notify_listeners
 from .live_drag import start_live, stop_live
@@ -46,7 +47,7 @@ class LAPPET_OT_live(OperatorBase, bpy.types.Operator):
         if done != {"FINISHED"} or controller_of(context.scene).live is None:
             return done
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set("Live: drag the target   |   Return, Esc: end")
+        context.workspace.status_text_set(said("Live: drag the target   |   Return, Esc: end"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:

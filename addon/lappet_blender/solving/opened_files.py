@@ -9,7 +9,7 @@ from lappet.core.problem import RefusedError
 
 from ..interface.said import said
 from ..model.tissue_values import tissue_is_ready
-from .controller import controller_of
+from .controller import controller_of, manifests
 from .frame_states import count_states
 from .frames import progress_of
 from .scene_watch import reading
@@ -27,11 +27,15 @@ def wanting(scenes: bpy.types.bpy_prop_collection) -> list[bpy.types.Scene]:
 
 
 def begin(scene: bpy.types.Scene) -> bool:
-    """Start solving what is not solved yet; whether there was something, and nothing spoke against it."""
+    """Start solving what is not solved yet; whether there was something, and nothing spoke against it.
+
+    Frames that somebody else solved on this computer are there, but perhaps not how far they may be off.
+    """
     controller = controller_of(scene)
-    if controller.manifest is not None and not any(
+    unsolved = controller.manifest is None or any(
         count for state, count in count_states(controller).items() if state != "solved"
-    ):
+    )
+    if not unsolved and (controller.key in manifests.assessments or not scene.lappet.solving.error_estimate):
         return False
     try:
         with reading():
@@ -46,7 +50,12 @@ def _loaded(*_: object) -> None:
     _waiting.clear()
     _begun.clear()
     _waiting.update(scene.session_uid for scene in wanting(bpy.data.scenes))
-    if _waiting and not bpy.app.background and not bpy.app.timers.is_registered(_step):
+    running = bpy.app.timers.is_registered(_step)
+    if running:
+        bpy.app.timers.unregister(_step)
+    if (_waiting or running) and not bpy.app.background:
+        # Anew, even where it runs: where a timer has opened the file, those that are due come next, and the status bar
+        # is then still that of a workspace which Blender has freed.
         bpy.app.timers.register(_step, first_interval=_EVERY, persistent=True)
 
 

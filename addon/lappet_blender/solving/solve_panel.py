@@ -8,7 +8,7 @@ from ..interface.said import said
 from ..interface.sentence_lines import draw_sentence
 from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from .controller import controller_of
-from .frames import error_of, failure_of, notes_of, problems_of, progress_of
+from .frames import error_of, failure_of, frame_state, is_assessed, notes_of, problems_of, progress_of
 from .select_problem import problem_event
 
 _MOST_PROBLEMS = 6
@@ -99,8 +99,12 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def _error(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What is known of the error of the frame that is shown."""
-    error = error_of(context.scene, context.scene.frame_current)
+    scene = context.scene
+    error = error_of(scene, scene.frame_current)
     if error is None:
+        unknown = scene.lappet.solving.error_estimate and not progress_of(scene).running and not is_assessed(scene)
+        if unknown and frame_state(scene, scene.frame_current) == "solved":
+            draw_sentence(layout, context, said("The error of this frame is not estimated; Solve does it"), "INFO")
         return
     greatest = f"{error.greatest:.2g}"
     if error.is_trusted:

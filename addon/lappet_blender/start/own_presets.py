@@ -148,3 +148,10 @@ CLASSES: tuple[Any, ...] = (
     LAPPET_PT_plate_presets,
     LAPPET_PT_look_presets,
 )
+_LABELS = {each: each.bl_label for each in CLASSES if issubclass(each, bpy.types.Panel)}
+
+
+def unregister() -> None:
+    """Name the lists as they were: Blender names a list after the preset that was chosen last, for good."""
+    for each, label in _LABELS.items():
+        each.bl_label = label

@@ -15,5 +15,6 @@ def register() -> None:
 
 def unregister() -> None:
     """Take it away."""
+    own_presets.unregister()
     template_offer.unregister()
     asset_operators.unregister()

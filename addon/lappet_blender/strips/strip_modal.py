@@ -12,6 +12,7 @@ from lappet.core.problem_code import ProblemCode
 
 from ..interface.header_texts import clear_texts
 from ..interface.operator_base import OperatorBase
+from ..interface.said import said
 from .scene_strips import chosen_strips, copy_strips, move_step, move_strips, scene_steps, scene_strips, select_strips
 from .strip import Part, Step, Strip, strips_of_step
 from .strip_drag import dragged, grabbed_edges, snap_targets, snapped
@@ -170,12 +171,13 @@ class LAPPET_OT_strips_move(OperatorBase, bpy.types.Operator):
     def _said(self, spans: dict[str, Any]) -> str:
         """What the header says."""
         count = len(self._dragged)
-        what = f"{'Copy ' if self.copy else ''}{count} strip{'s' * (count != 1)}"
+        what = said("Strips: {count}", count=count)
         if self._grabbed is not None:
-            span = spans[self._grabbed.uid]
-            what = f"{'Copy of ' if self.copy else ''}{self._grabbed.name}: {span.start:g} – {span.end:g}"
-            what += f" and {count - 1} more" if count > 1 else ""
-        return f"{what}, {self.shift:+g} frames  (Ctrl: no snapping, Esc: cancel)"
+            name, span = self._grabbed.name, spans[self._grabbed.uid]
+            name = said("Copy of {name}", name=name) if self.copy else name
+            what = f"{name}: {span.start:g} – {span.end:g}"
+            what += " " + said("and {count} more", count=count - 1) if count > 1 else ""
+        return f"{what}, {said('{shift} frames', shift=f'{self.shift:+g}')}  ({said('Ctrl: no snapping, Esc: cancel')})"
 
     def _end(self, context: bpy.types.Context, result: set[str] | None) -> set[str]:
         """Take the preview away; result None: do what it showed."""

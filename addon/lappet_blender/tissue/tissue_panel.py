@@ -33,7 +33,9 @@ class LAPPET_PT_tissue(SidebarPanel, bpy.types.Panel):
             draw_sentence(
                 layout, context, "Select a mesh: closed, or the open surface of the skin." if not is_mesh else ""
             )
-            label = f"Make {active.name} the Tissue" if active is not None and is_mesh else "Make Tissue"
+            label = (
+                said("Make {name} the Tissue", name=active.name) if active is not None and is_mesh else "Make Tissue"
+            )
             layout.operator("lappet.tissue_set", text=label)
             layout.operator("lappet.tissue_take_field", text="Take Skin Around 3D Cursor", icon="CURSOR")
             taken = layout.operator("lappet.tissue_take_field", text="Take Selected Skin", icon="FACESEL")

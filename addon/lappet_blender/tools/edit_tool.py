@@ -9,6 +9,7 @@ from ..events.edit_events import jump_to_event
 from ..events.edit_points import MIN_POINTS, remove_point
 from ..events.operator_values import named_event
 from ..interface.operator_base import NO_UNDO, OperatorBase
+from ..interface.said import said
 from ..model.event_list import find_event, remove_event
 from .drawing import DrawnLine, Point
 from .handles import (
@@ -210,7 +211,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
 
     def text(self, context: bpy.types.Context) -> str:
         event = find_event(context.scene, self.uid)
-        return self.title if event is None else f"Edit {event.name}: drag along the skin"
+        return said(self.title) if event is None else said("Edit {event}: drag along the skin", event=event.name)
 
 
 class LAPPET_OT_edit_delete(OperatorBase, bpy.types.Operator):

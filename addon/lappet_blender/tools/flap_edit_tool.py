@@ -25,6 +25,7 @@ from ..events.flap_operators import measure_property, turned_about
 from ..events.flap_relay import relay_flap, scene_procedure
 from ..events.operator_values import given
 from ..interface.problem_sentence import problem_sentence
+from ..interface.said import said
 from ..model.decimals import decimal, decimals
 from ..model.laid_flaps import active_flap
 from .drawing import DrawnLine, Point
@@ -164,7 +165,7 @@ class _FlapEdit(SkinModal):
             setattr(self, name, value)
 
     def text(self, context: bpy.types.Context) -> str:
-        return f"{self.design.title}: {self._said or 'drag the handle along the skin'}"
+        return f"{said(self.design.title)}: {self._said or said('drag the handle along the skin')}"
 
 
 def _exact(value: float, had: float) -> float:

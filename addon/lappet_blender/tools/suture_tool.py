@@ -22,6 +22,7 @@ from ..events.add_sutures import (
 from ..events.operator_values import given, places
 from ..events.stitch_properties import drawn_property, order_property, shape_property, single_property
 from ..events.stitch_shapes import Shape
+from ..interface.said import said
 from ..model.event_kinds import ORDER_OF
 from ..model.event_properties import LappetPoint
 from .drawing import DrawnLine, Point
@@ -153,13 +154,17 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         return None
 
     def text(self, context: bpy.types.Context) -> str:
-        frame = context.scene.frame_current
         if self.mode == "INCISION":
-            return f"{self.title} at frame {frame}: {self._said}click an incision to sew it"
-        edge = "second" if self.on_second else "first"
-        if self.is_run:
-            return f"Run of sutures at frame {frame}: {self._said}click along the {edge} edge, then Return"
-        return f"{self.title} at frame {frame}: {self._said}click the {edge} edge of the wound"
+            pattern = "{tool} at frame {frame}: {note}click an incision to sew it"
+        elif self.is_run and self.on_second:
+            pattern = "Run of sutures at frame {frame}: {note}click along the second edge, then Return"
+        elif self.is_run:
+            pattern = "Run of sutures at frame {frame}: {note}click along the first edge, then Return"
+        elif self.on_second:
+            pattern = "{tool} at frame {frame}: {note}click the second edge of the wound"
+        else:
+            pattern = "{tool} at frame {frame}: {note}click the first edge of the wound"
+        return said(pattern, tool=said(self.title), frame=context.scene.frame_current, note=self._said)
 
     def _suture_incision(self, context: bpy.types.Context, view: View) -> Result | None:
         surface = shown_surface(context.scene, view.space)

@@ -13,7 +13,7 @@ import click
 
 from lappet.commands.check_command import check
 from lappet.commands.compare_command import compare
-from lappet.commands.completion_command import VARIABLE, add_powershell, completion
+from lappet.commands.completion_command import VARIABLE, add_shells, completion
 from lappet.commands.demo_command import demo
 from lappet.commands.doctor_command import doctor
 from lappet.commands.export_command import export
@@ -58,8 +58,8 @@ def cli(context: click.Context, debug: bool) -> None:
 
 def main() -> None:
     """Run the console script."""
-    if os.environ.get(VARIABLE, "").startswith("powershell"):
-        add_powershell()
+    if VARIABLE in os.environ:
+        add_shells()
     try:
         cli.main(prog_name="lappet")
     except OSError as error:  # of standard output, where no command stands between: help, a script for completion

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 VARIABLE = "_LAPPET_COMPLETE"
+QUOTED_SPACE = "\\\\ "  # twice: the script of click reads away one
 SHELLS = ("bash", "zsh", "fish", "powershell")
 _POWERSHELL = """\
 Register-ArgumentCompleter -Native -CommandName %(prog_name)s -ScriptBlock {
@@ -37,9 +38,13 @@ _HOW = {
 }
 
 
-def add_powershell() -> None:
-    """Have click answer PowerShell too, which it does not know by itself."""
-    from click.shell_completion import ShellComplete, add_completion_class, split_arg_string
+def add_shells() -> None:
+    """Have click answer PowerShell too, which it does not know, and quote what has a space in it for bash."""
+    from click.shell_completion import BashComplete, ShellComplete, add_completion_class, split_arg_string
+
+    class Bash(BashComplete):
+        def format_completion(self, item: CompletionItem) -> str:
+            return f"{item.type},{str(item.value).replace(' ', QUOTED_SPACE)}"
 
     class PowerShell(ShellComplete):
         name = "powershell"
@@ -52,8 +57,10 @@ def add_powershell() -> None:
 
         def format_completion(self, item: CompletionItem) -> str:
             help_text = (item.help or "").replace("\n", " ")
-            return f"{item.value}\t{help_text}" if help_text else str(item.value)
+            value = f"'{item.value}'" if " " in str(item.value) else str(item.value)
+            return f"{value}\t{help_text}" if help_text else value
 
+    add_completion_class(Bash)
     add_completion_class(PowerShell)
 
 
@@ -64,7 +71,7 @@ def completion(context: click.Context, /, shell: str) -> None:
     """Print the script with which a SHELL completes commands, options and their values."""
     from click.shell_completion import get_completion_class
 
-    add_powershell()
+    add_shells()
     kind = get_completion_class(shell)
     assert kind is not None
     click.echo(kind(context.find_root().command, {}, "lappet", VARIABLE).source())

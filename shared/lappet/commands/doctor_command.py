@@ -14,7 +14,7 @@ from lappet.commands.refusals import sentences
 if TYPE_CHECKING:
     from lappet.installation.finding import Finding
 
-_WIDTH = 14  # characters of a finding's name
+_WIDTH = 16  # characters of a finding's name
 
 
 @click.command()

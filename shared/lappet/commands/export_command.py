@@ -27,7 +27,9 @@ _LANGUAGES = ("en", "de", "fr", "es", "zh")
 @click.option("--language", type=click.Choice(_LANGUAGES), help="Language a lesson opens in.  [default: en]")
 @click.option("--title", help="Title of a lesson.  [default: the name of the cache]")
 @click.option(
-    "--simplify", type=Simplification(), help="Leave triangles out: how many may stay, or how far it may be off."
+    "--simplify",
+    type=Simplification(),
+    help="Leave triangles out: how many may stay, 100 or more, or how far it may be off.",
 )
 @click.option("--max-size", type=FileSize(), help="How large .html, .zip, .h5p, .glb or .usdz may be, such as 5MB.")
 @click.option("--quantized", is_flag=True, default=None, help="Write a smaller .glb, by whole numbers.")

@@ -27,7 +27,9 @@ _VIEWS = ("oblique", "top", "low")
 )
 @click.option("--style", type=click.Choice(_STYLES), default="schematic", show_default=True, help="How it is drawn.")
 @click.option("--skin-tone", "tone", type=click.IntRange(1, 10), help="Tone of the skin on the Monk scale, 1 to 10.")
-@click.option("--size", type=Size(), default="1920x1080", show_default=True, help="Pixels; 3840x2160 for 4K.")
+@click.option(
+    "--size", type=Size(), default="1920x1080", show_default=True, help="Pixels, even, 240 or more; 3840x2160 for 4K."
+)
 @click.option("--fps", type=float, default=8.0, show_default=True, help="Solved frames per second, 0.1 to 60.")
 @click.option("--pause", type=float, default=2.0, show_default=True, help="Seconds on each step, up to 60.")
 @click.option("--view", type=click.Choice(_VIEWS), default="oblique", show_default=True, help="Where the camera is.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
+from lappet.commands.known_names import DESIGN, NamingCommand
 from lappet.commands.parameters import FILE
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
@@ -91,10 +92,16 @@ def drawable(_context: click.Context, _parameter: click.Parameter, path: Path | 
     return path
 
 
-@flap.command("show")
-@click.argument("name")
+@flap.command("show", cls=NamingCommand)
+@click.argument("name", type=DESIGN)
 @click.option("--picture", type=FILE, callback=drawable, help="Draw its plan, to scale (.svg, .pdf or .png).")
-@click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the drawn plan; may be repeated.")
+@click.option(
+    "--set",
+    "measures",
+    type=Measure(),
+    multiple=True,
+    help="A measure of the drawn plan, of those it lists; may be repeated.",
+)
 @click.option("--mirrored", is_flag=True, help="Draw it mirrored about its direction.")
 @click.pass_context
 def show_design(
@@ -139,8 +146,8 @@ def show_design(
             click.echo(f"Written: {picture}")
 
 
-@flap.command("add")
-@click.argument("name")
+@flap.command("add", cls=NamingCommand)
+@click.argument("name", type=DESIGN)
 @click.argument("procedure", type=FILE, required=False)
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure with the operation (.usda or .usdc).")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Where it lies on the skin, in mm.")
@@ -152,7 +159,13 @@ def show_design(
 )
 @click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its direction along the skin.")
 @click.option("--lines", type=click.Choice(["along", "across"]), help="Its direction, by the lines of the skin.")
-@click.option("--set", "measures", type=Measure(), multiple=True, help="A measure of the design; may be repeated.")
+@click.option(
+    "--set",
+    "measures",
+    type=Measure(),
+    multiple=True,
+    help="A measure of the design, of those that `lappet flap show NAME` lists; may be repeated.",
+)
 @click.option("--mirrored", is_flag=True, help="Mirror it about its direction.")
 @click.option("--start", type=float, help="Time code before the first cut.  [default: the end of the timeline]")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
@@ -224,7 +237,13 @@ def add(
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Its new place on the skin, in mm.")
 @click.option("--direction", nargs=3, type=float, metavar="X Y Z", help="Its new direction along the skin.")
 @click.option("--lines", type=click.Choice(["along", "across"]), help="Its new direction, by the lines of the skin.")
-@click.option("--set", "measures", type=Measure(), multiple=True, help="A new measure; may be repeated.")
+@click.option(
+    "--set",
+    "measures",
+    type=Measure(),
+    multiple=True,
+    help="A new measure, of those that `lappet flap show` lists of its design; may be repeated.",
+)
 @click.option("--mirrored/--not-mirrored", default=None, help="Whether it is mirrored about its direction.")
 @click.option("--start", type=float, help="New time code before the first cut.")
 @reading_options

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("procedure", type=FILE)
 @click.argument("session", type=click.IntRange(min=1))
-@click.option("-o", "--output", type=FILE, help="The skin cache.  [default: PROCEDURE.cache.usdc]")
+@click.option(
+    "-o", "--output", type=FILE, help="The skin cache (.usdc, .usda or .usd).  [default: PROCEDURE.cache.usdc]"
+)
 @daemon_options
 @setting_options
 @reading_options

@@ -76,10 +76,10 @@ def _new_server(folder: Path, name: str | None) -> None:
     required=True,
     help="What they may do: follow, also solve, or also end the daemon.",
 )
-@click.option("--memory-gib", type=float, metavar="GIB", help="Memory of a session.")
-@click.option("--threads", type=int, metavar="N", help="Threads of a session.")
-@click.option("--sessions", type=int, metavar="N", help="Sessions at a time.")
-@click.option("--seconds", type=float, metavar="S", help="Seconds of one frame or epoch.")
+@click.option("--memory-gib", type=float, metavar="GIB", help="Memory of a session, 0.01 to 65536.")
+@click.option("--threads", type=int, metavar="N", help="Threads of a session, 1 to 1024.")
+@click.option("--sessions", type=int, metavar="N", help="Sessions at a time, 0 to 1024.")
+@click.option("--seconds", type=float, metavar="S", help="Seconds of one frame or epoch, 0.01 to 1000000.")
 @_FOLDER
 @click.pass_context
 def allow(

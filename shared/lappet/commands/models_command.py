@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lappet.commands.gravity_options import gravity_options, with_gravity
+from lappet.commands.known_names import MODEL, NamingCommand
 from lappet.commands.parameters import FILE
 from lappet.commands.refusals import sentences
 
@@ -35,8 +36,8 @@ def list_models(context: click.Context, /) -> None:
             click.echo(f"{name:<{width}}  {title}")
 
 
-@models.command()
-@click.argument("name")
+@models.command(cls=NamingCommand)
+@click.argument("name", type=MODEL)
 @click.pass_context
 def show(context: click.Context, /, name: str) -> None:
     """Tell what model NAME is made of and where its numbers come from."""
@@ -48,18 +49,24 @@ def show(context: click.Context, /, name: str) -> None:
             click.echo(line)
 
 
-@models.command()
-@click.argument("name")
+@models.command(cls=NamingCommand)
+@click.argument("name", type=MODEL)
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure (.usda or .usdc).")
 @click.option("--age", type=float, help="Age in years, 1 to 90.  [default: 25]")
 @click.option("--sex", type=click.Choice(list(_SEXES)), help="[default: the model's]")
-@click.option("--weight", type=float, help="0 for the lightest, 1 for the heaviest.  [default: 0.5]")
-@click.option("--target", "targets", multiple=True, metavar="NAME=AMOUNT", help="A shape target; may be repeated.")
-@click.option("--skin", type=float, metavar="MM", help="Thickness of the skin.  [default: the model's]")
+@click.option("--weight", type=float, help="From 0, the lightest, to 1, the heaviest.  [default: 0.5]")
 @click.option(
-    "--laxity", type=float, default=1.0, show_default=True, help="0 for skin under its published tension, 1 for none."
+    "--target",
+    "targets",
+    multiple=True,
+    metavar="NAME=AMOUNT",
+    help="A shape target, of those that `lappet models targets` lists; may be repeated.",
 )
-@click.option("--spacing", type=float, metavar="MM", help="Lattice edge.  [default: the model's]")
+@click.option("--skin", type=float, metavar="MM", help="Thickness of the skin, 0.3 to 5.  [default: the model's]")
+@click.option(
+    "--laxity", type=float, default=1.0, show_default=True, help="From 0, skin under its published tension, to 1, none."
+)
+@click.option("--spacing", type=float, metavar="MM", help="Lattice edge, 0.05 to 20.  [default: the model's]")
 @gravity_options("9.81")
 @click.option("--excision", is_flag=True, help="Add a fusiform excision, undermined and closed.")
 @click.option("--deep", is_flag=True, help="With the layer below the fat: SMAS, fascia, muscle or cartilage.")
@@ -69,7 +76,7 @@ def show(context: click.Context, /, name: str) -> None:
     default=1.0,
     show_default=True,
     metavar="X",
-    help="Tissue that reaches X times as far as usual.",
+    help="Tissue that reaches X times as far as usual, 0.5 to 3.",
 )
 @click.option("--scenery/--no-scenery", default=True, help="Show the body around the tissue.  [default: scenery]")
 @click.pass_context

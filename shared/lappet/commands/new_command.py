@@ -18,14 +18,16 @@ UNITS = ("mm", "cm", "dm", "m", "in")  # of `lappet.tissue.mesh_file`, which `--
 @click.command()
 @click.argument("mesh", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure (.usda or .usdc).")
-@click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm.")
+@click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm, above 0.")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--units", type=click.Choice(UNITS), help="The mesh's unit of length; as its file says, or else guessed.")
 @gravity_options("9.81")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Take the skin around a point, in mm; with --radius.")
-@click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin.")
+@click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin, above 0.")
 @click.option("--outline", type=FILE, help="Take the skin inside an outline: a JSON list of points [x, y, z] in mm.")
-@click.option("--resolution", type=float, help="Divide edges of a region down to this, in mm; as the thickness.")
+@click.option(
+    "--resolution", type=float, help="Divide edges of a region down to this many mm, above 0; as the thickness."
+)
 @click.option(
     "--texture",
     type=click.Choice(["grid", "mesh"]),

@@ -71,7 +71,9 @@ class PanelCaption(click.ParamType):
 @click.option("--skin-tone", "tone", type=click.IntRange(1, 10), help="Tone of the skin on the Monk scale, 1 to 10.")
 @click.option("--frames", type=FrameList(), help="Time codes of the panels.  [default: the operation's steps]")
 @click.option("--caption", "captions", type=PanelCaption(), multiple=True, help="A panel's caption in other words.")
-@click.option("--width-mm", "width", type=float, help="Width in print.  [default: 174, or the journal's widest]")
+@click.option(
+    "--width-mm", "width", type=float, help="Width in print, 40 to 1000.  [default: 174, or the journal's widest]"
+)
 @click.option("--text-pt", "text", type=float, help="Size of labels, 7 to 24.  [default: 7, or the journal's least]")
 @click.option("--journal", type=click.Choice(_JOURNALS), help="A publisher whose rules the plate keeps.")
 @click.option("--columns", type=click.IntRange(1, 12), help="Panels in a row.  [default: as many as fit]")
@@ -91,7 +93,9 @@ class PanelCaption(click.ParamType):
 )
 @click.option("--map", "mapped", type=click.Choice(_MAPS), help="A quantity of the skin, mapped in color.")
 @click.option("--marks", type=click.Choice(_MARKS), help="What is printed on the skin and deforms with it.")
-@click.option("--marks-mm", "marks_spacing", type=float, default=5.0, show_default=True, help="Distance of the marks.")
+@click.option(
+    "--marks-mm", "marks_spacing", type=float, default=5.0, show_default=True, help="Distance of the marks, 1 to 50."
+)
 @click.option("--plan-pen", type=click.Choice(_PENS), help="How planned cuts are drawn.  [default: whole lines]")
 @click.option(
     "--hatched/--not-hatched", default=True, show_default=True, help="Hatch the areas undermined and thinned."

@@ -23,7 +23,7 @@ ENGINES = ("cycles", "workbench")
 @click.option("--frames", type=FrameList(), help="Time codes of the stills.  [default: the last]")
 @click.option("--filmstrip/--no-filmstrip", default=True, show_default=True, help="Draw the steps on one sheet.")
 @click.option("--animation", type=click.Choice(["none", "png", "mp4"]), default="none", show_default=True)
-@click.option("--size", type=Size(), default="1280x960", show_default=True, help="Pixels of a still.")
+@click.option("--size", type=Size(), default="1280x960", show_default=True, help="Pixels of a still, 16 to 16384 each.")
 @click.option("--movie-size", type=Size(), help="Pixels of an animation.  [default: half of size]")
 @click.option("--samples", type=click.IntRange(1, 65536), help="Cycles samples per pixel.  [default: 6]")
 @click.option(

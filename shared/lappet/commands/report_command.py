@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from lappet.commands.known_names import DESIGN, OPERATION, ROW, NamingCommand
 from lappet.commands.refusals import sentences
 
 # Groups of cases of `lappet.reports.stability`, which `--help` does not load.
@@ -175,8 +176,8 @@ def tissues(context: click.Context, /, folder: Path) -> None:
             click.echo(path)
 
 
-@report.command("atlas")
-@click.argument("designs", nargs=-1)
+@report.command("atlas", cls=NamingCommand)
+@click.argument("designs", nargs=-1, type=DESIGN)
 @_output("atlas")
 @click.option(
     "--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm on the patch.  [default: 1.33]"
@@ -232,8 +233,8 @@ def atlas(
         context.exit(1)
 
 
-@report.command("surroundings")
-@click.argument("names", nargs=-1)
+@report.command("surroundings", cls=NamingCommand)
+@click.argument("names", nargs=-1, type=OPERATION)
 @_output("surroundings")
 @click.option(
     "--reach",
@@ -245,8 +246,8 @@ def atlas(
 def surroundings(context: click.Context, /, names: tuple[str, ...], folder: Path, reach: float | None) -> None:
     """Bound what the tissue beyond the rim would change: each of NAMES with its rim held and free.
 
-    NAMES: procedures (.usda), or operations on models of the body, as docs/flaps.md names them; all of these by
-    default. The exit status is 1 if a wider cut-out changes more than the free rim.
+    NAMES are procedures (.usda), or operations on models of the body; all of these by default. The exit status is 1 if
+    a wider cut-out changes more than the free rim.
     """
     with sentences(context):
         from lappet.commands.report_progress import report_progress
@@ -262,15 +263,15 @@ def surroundings(context: click.Context, /, names: tuple[str, ...], folder: Path
         context.exit(1)
 
 
-@report.command("literature")
-@click.argument("rows", nargs=-1)
+@report.command("literature", cls=NamingCommand)
+@click.argument("rows", nargs=-1, type=ROW)
 @_output("literature")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.  [default: 1.33]")
 @click.pass_context
 def literature(context: click.Context, /, rows: tuple[str, ...], folder: Path, spacing: float | None) -> None:
     """Hold what flaps give against what papers measured of them: ROWS, all of them by default.
 
-    A row that disagrees is a result, not a failure; docs/literature.md names the rows.
+    A row that disagrees is a result, not a failure; docs/literature.md tells what the rows are.
     """
     with sentences(context):
         from lappet.commands.report_progress import report_progress

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("procedure", type=FILE)
-@click.option("-o", "--output", type=FILE, help="The skin cache.  [default: PROCEDURE.cache.usdc]")
+@click.option(
+    "-o", "--output", type=FILE, help="The skin cache (.usdc, .usda or .usd).  [default: PROCEDURE.cache.usdc]"
+)
 @click.option("--report", "report_path", type=FILE, help="Write what the solve took as JSON.")
 @click.option("--suture-forces", "forces_path", type=FILE, help="Write the force on each suture as CSV.")
 @click.option("--hook-forces", "hooks_path", type=FILE, help="Write the force of each hook as CSV.")

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import shutil
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+
+_NOTHING_LEFT = 65536  # bytes: a disk that has less is full
 
 
 def replace_durably(fresh: Path, target: Path) -> None:
@@ -51,6 +57,53 @@ def write_whole(path: Path, content: bytes) -> None:
         with contextlib.suppress(OSError):
             draft.unlink(missing_ok=True)
         raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+@contextlib.contextmanager
+def draft_folder(target: Path) -> Iterator[Path]:
+    """Make a hidden folder beside a file for the drafts of it, which is gone afterwards.
+
+    Parameters
+    ----------
+    target
+        The file.
+
+    Yields
+    ------
+    Path
+        The folder, in the file system of the file.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses; names the file where it is one of the folder that was refused.
+    """
+    with tempfile.TemporaryDirectory(prefix=f".{target.stem}-", dir=target.parent) as folder:
+        try:
+            yield Path(folder)
+        except OSError as error:
+            if error.filename is None or not Path(os.fsdecode(error.filename)).is_relative_to(folder):
+                raise
+            raise OSError(error.errno, error.strerror, str(target)) from error
+
+
+def check_space(folder: Path, target: Path) -> None:
+    """Check that a disk is not full, after another program has failed to write to it without a reason.
+
+    Parameters
+    ----------
+    folder
+        Where it wrote; what it has written must still be there.
+    target
+        The file, for the error.
+
+    Raises
+    ------
+    OSError
+        If there is no space left; names the file.
+    """
+    if shutil.disk_usage(folder).free < _NOTHING_LEFT:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(target))
 
 
 def sync_folder(folder: Path) -> None:

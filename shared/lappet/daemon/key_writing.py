@@ -55,8 +55,9 @@ def new_own(folder: Path, name: str) -> tuple[Path, Path, KeyPair]:
     require_name(name)
     private_folder(folder)
     secret, public, pair = folder / f"{name}.key", folder / f"{name}.pub", new_pair()
-    write_new(secret, pair_text(pair, f"The key of {name}. Nobody else may read it."), SECRET)
-    write_over(public, public_text(pair.public, f"The public key of {name}: for whoever runs the daemon."), OPEN)
+    text = pair_text(pair, f"The key of {name}. Nobody else may read it.")
+    told = public_text(pair.public, f"The public key of {name}: for whoever runs the daemon.")
+    write_pair(secret, text, public, told)
     return secret, public, pair
 
 
@@ -144,6 +145,35 @@ def write_over(path: Path, text: str, mode: int) -> None:
     sync_folder(path.parent)
 
 
+def write_pair(secret: Path, text: str, public: Path, told: str) -> None:
+    """Write the files of a new key pair, both or neither.
+
+    Parameters
+    ----------
+    secret
+        The file of the pair.
+    text
+        What it is to hold.
+    public
+        The file of the public key; one that is there is replaced.
+    told
+        What that is to hold.
+
+    Raises
+    ------
+    RefusedError
+        If there is a file of a pair.
+    OSError
+        If the file system refuses; names the file.
+    """
+    write_new(secret, text, SECRET)
+    try:
+        write_over(public, told, OPEN)
+    except OSError:
+        secret.unlink(missing_ok=True)  # nobody has seen it
+        raise
+
+
 def pair_text(pair: KeyPair, remark: str) -> str:
     """Write what a file of a key pair holds.
 
@@ -191,6 +221,9 @@ def _written(path: Path, text: str, mode: int) -> Path:
             file.write(text)
             file.flush()
             os.fsync(handle)
+    except OSError as error:  # a write does not say of which file
+        fresh.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from error
     except BaseException:
         fresh.unlink(missing_ok=True)
         raise

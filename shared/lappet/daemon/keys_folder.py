@@ -20,7 +20,7 @@ from lappet.core.durable import sync_folder
 from lappet.core.problem import Problem, RefusedError, file_problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.key_files import KeyPair, key_in, new_pair, read_entries, read_pair, require_name
-from lappet.daemon.key_writing import OPEN, SECRET, pair_text, private_folder, public_text, write_new, write_over
+from lappet.daemon.key_writing import OPEN, pair_text, private_folder, public_text, write_new, write_over, write_pair
 
 _ENDING = ".pub"
 
@@ -125,8 +125,9 @@ class KeysFolder:
         private_folder(self.path)
         private_folder(self.users_path)
         pair = new_pair()
-        write_new(self.server_key, pair_text(pair, f"The key of {remark}. Nobody else may read it."), SECRET)
-        write_over(self.server_public, public_text(pair.public, f"The public key of {remark}: for its users."), OPEN)
+        text = pair_text(pair, f"The key of {remark}. Nobody else may read it.")
+        told = public_text(pair.public, f"The public key of {remark}: for its users.")
+        write_pair(self.server_key, text, self.server_public, told)
         return pair
 
     def server(self) -> str:

@@ -39,6 +39,8 @@ def free_folder(bases: Iterable[Path] | None = None, mark: str = "z_plasty.usda"
     for base in tried:
         for number in range(1, _MOST + 1):
             folder = base / (NAME if number == 1 else f"{NAME}-{number}")
+            if not folder.exists() and folder.is_symlink():
+                continue  # of a folder that is gone
             if folder.exists() and not (folder / mark).is_file() and (not folder.is_dir() or any(folder.iterdir())):
                 continue  # somebody else's
             if _writable(folder):
@@ -50,7 +52,10 @@ def free_folder(bases: Iterable[Path] | None = None, mark: str = "z_plasty.usda"
 def _bases() -> list[Path]:
     from platformdirs import user_documents_path
 
-    return [Path.cwd(), user_documents_path(), Path(tempfile.gettempdir())]
+    here = []
+    with contextlib.suppress(OSError):  # a shell may stand in a folder that is gone
+        here.append(Path.cwd())
+    return [*here, user_documents_path(), Path(tempfile.gettempdir())]
 
 
 def _writable(folder: Path) -> bool:

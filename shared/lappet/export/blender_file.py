@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from lappet.core.durable import replace_durably
+from lappet.core.durable import check_space, draft_folder, replace_durably
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.export.export_request import ExportRequest
@@ -45,14 +44,15 @@ def write_by_blender(request: ExportRequest) -> list[Path]:
     cache = exported_cache(request.caches[0], request.limits)
     frames = chosen_frames(cache, request.options.get("frames"))
     target = request.target.resolve()
-    with tempfile.TemporaryDirectory(prefix=f".{target.stem}-", dir=target.parent) as folder:
-        source, draft = Path(folder) / "skin.glb", Path(folder) / target.name
+    with draft_folder(target) as folder:
+        source, draft = folder / "skin.glb", folder / target.name
         write_glb(replace(request, target=source))
         last = round(frames[-1] - frames[0])
         arguments = [str(source), str(draft), f"{cache.fps:.17g}", str(last)]
         command = [blender_python(), "-m", "lappet_blender.figure.convert_glb", *arguments]
         answer = _answer(_run(command, request.target))
         if not answer.get("done"):
+            check_space(folder, target)
             raise refused(ProblemCode.EXPORT_BLENDER, request.target, answer.get("error", "it gives no reason"))
         replace_durably(draft, target)
     return [request.target]

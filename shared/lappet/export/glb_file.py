@@ -7,14 +7,13 @@ operation is an animation besides the one of all.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lappet.core.durable import replace_durably
+from lappet.core.durable import draft_folder, replace_durably
 from lappet.core.problem import problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
@@ -82,8 +81,8 @@ def write_glb(request: ExportRequest) -> list[Path]:
     quantized = packed or bool(request.options.get("quantized"))
     document = _GlbDocument(frames, cache.fps, cache.path.stem, quantized, packed)
     target, drift = request.target.resolve(), 0.0
-    with tempfile.TemporaryDirectory(prefix=f".{target.stem}-", dir=target.parent) as folder:
-        draft = Path(folder) / target.name
+    with draft_folder(target) as folder:
+        draft = folder / target.name
         document.write(shapes, spans, draft)
         check_size(request, draft.stat().st_size)
         if quantized:

@@ -5,7 +5,6 @@ The motion is that of bones: a skinning decomposition of the solved frames, and 
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.durable import replace_durably
+from lappet.core.durable import check_space, draft_folder, replace_durably
 from lappet.core.problem import problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.skin_read import SkinCache
@@ -84,11 +83,12 @@ def write_usdz(request: ExportRequest) -> list[Path]:
     _check_error(skinned, tolerance, most_bones, request.target)
     times = play_times(frames, steps, float(options.get("pause", PAUSE)) * cache.fps)
     target = request.target.resolve()
-    with tempfile.TemporaryDirectory(prefix=f".{target.stem}-", dir=target.parent) as folder:
-        layer, package = Path(folder) / "operation.usdc", Path(folder) / target.name
-        write_skin_tile(Path(folder) / TEXTURE)
+    with draft_folder(target) as folder:
+        layer, package = folder / "operation.usdc", folder / target.name
+        write_skin_tile(folder / TEXTURE)
         write_stage(str(layer), skinned, [_on_table(each, stand) for each in still], times, cache.fps)
         if not pxr().UsdUtils.CreateNewUsdzPackage(str(layer), str(package)):
+            check_space(folder, target)
             raise refused(ProblemCode.FILE_NOT_WRITTEN, request.target, "USD gives no reason", folder=target.parent)
         found = skeleton_error(package, skinned, times)
         if found.greatest > tolerance:

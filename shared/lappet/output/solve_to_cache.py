@@ -207,7 +207,7 @@ def solve_procedure(
     if error_estimate and result.frames:
         errors = _estimate(program, result, store, connect, solver, found)
         measures, errors = _with_errors(program, gauges, result.frames, measures, errors)
-    written = output if wanted else None
+        _keep_assessment(store, procedure, result, found, errors, measures)
     if wanted:
         kept = slice(len(result.frames) - len(wanted), None)
         write_skin_cache(
@@ -220,7 +220,7 @@ def solve_procedure(
         result.reason,
         result.interrupted,
         result.failed,
-        written,
+        output if wanted else None,
         time.perf_counter() - started,
         (*watch.notes, *found),
         errors,
@@ -242,6 +242,23 @@ def _with_errors(
 
     found = errors_of_measures(program, gauges, [frame.solved for frame in frames], measures, errors)
     return found, replace(errors, coarse=())
+
+
+def _keep_assessment(
+    store: FrameStore,
+    procedure: Procedure,
+    result: Frames,
+    notes: Sequence[Problem],
+    errors: ErrorEstimate | None,
+    measures: Sequence[FrameMeasures],
+) -> None:
+    """Keep what is to be known of the frames beside them: who finds these in the store, as Blender does, finds it."""
+    if errors is None or result.interrupted:
+        return
+    from lappet.background.assessment import Assessment, assessment_key, pulls_of  # as the estimate
+
+    key = assessment_key([frame.key for frame in result.frames], True, procedure)
+    store.put(key, Assessment(tuple(notes), errors.frames, tuple(pulls_of(each) for each in measures)))
 
 
 def _shared(watch: SolveObserver, seconds: float) -> Callable[[int], None]:

@@ -143,8 +143,9 @@ def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> 
         raise refused(ProblemCode.FILE_MISSING, path, what="a mesh")
     refuse_irregular(path, limits)
     if path.suffix.lower() in _USD:
-        mesh, corners, scale, turn = _read_usd(path, limits)
-        stated = f"the stage says {scale / 1000.0:g} m per unit"
+        mesh, corners, scale, turn, says = _read_usd(path, limits)
+        silent = "cm by USD's default, as the stage says none; --units says otherwise"
+        stated = f"the stage says {scale / 1000.0:g} m per unit" if says else silent
     else:
         mesh, corners = _read_trimesh(path, limits), _obj_corners(path)
         turn = path.suffix.lower() in _GLTF
@@ -227,8 +228,11 @@ def _polygons(corners: NDArray[np.int64]) -> list[Note]:
     return [found("polygons", f"{int((corners == 4).sum())} quads{more}, split into triangles")]
 
 
-def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], float, bool]:
-    """The meshes of a stage at its default time, the corners of their faces, mm per unit, and whether Y is up."""
+def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], float, bool, bool]:
+    """The meshes of a stage at its default time, the corners of their faces, mm per unit, whether Y is up.
+
+    The last says whether the stage says its unit.
+    """
     usd = pxr()
     stage = open_stage(path, limits)
     cache = usd.UsdGeom.XformCache()
@@ -258,10 +262,11 @@ def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, NDArray[np.int64], 
         count += len(local)
     scale = 1000.0 * float(usd.UsdGeom.GetStageMetersPerUnit(stage))
     y_up = str(usd.UsdGeom.GetStageUpAxis(stage)) == "Y"
+    says = bool(usd.UsdGeom.StageHasAuthoredMetersPerUnit(stage))
     if not points:
-        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), np.zeros(0, np.int64), scale, y_up
+        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), np.zeros(0, np.int64), scale, y_up, says
     textured = None if any(each is None for each in uvs) else np.concatenate([each for each in uvs if each is not None])
-    return Mesh(np.concatenate(points), np.concatenate(triangles), textured), np.concatenate(corners), scale, y_up
+    return Mesh(np.concatenate(points), np.concatenate(triangles), textured), np.concatenate(corners), scale, y_up, says
 
 
 def _usd_uv(usd: Any, prim: Any, indices: NDArray[np.int64]) -> NDArray[np.float64] | None:
