@@ -176,12 +176,12 @@ struct TwoBlocks {
     lattice = build_lattice(tissue, {});
     const std::size_t triangles = tissue.triangles.size();
     std::vector<std::uint8_t> fixed(triangles, 0);
-    for (std::size_t t = 0; t < triangles; ++t) fixed[t] = center(tissue, t)[2] < 1e-9 || (center(tissue, t)[0] < 1e-9 && center(tissue, t)[2] > 2.5);
-    system = std::make_unique<System<double>>(
-        lattice, CellMaterials{{skin()}}, 1,
-        attach(lattice, tissue, fixed, std::vector<std::uint8_t>(triangles, 0),
-               std::vector<std::int32_t>(triangles, -1), nullptr),
-        0, BedStiffness{}, Vec3::Zero());
+    for (std::size_t t = 0; t < triangles; ++t)
+      fixed[t] = center(tissue, t)[2] < 1e-9 || (center(tissue, t)[0] < 1e-9 && center(tissue, t)[2] > 2.5);
+    system = std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1,
+                                              attach(lattice, tissue, fixed, std::vector<std::uint8_t>(triangles, 0),
+                                                     std::vector<std::int32_t>(triangles, -1), nullptr),
+                                              0, BedStiffness{}, Vec3::Zero());
     system->set_self_contact(std::make_unique<SelfContact>(lattice, tissue, skin().youngs_modulus));
     u.assign(3 * system->nodes(), 0.0);
   }

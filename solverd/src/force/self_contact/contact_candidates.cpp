@@ -45,9 +45,8 @@ ContactCandidates::ContactCandidates(const ContactCandidates& whole, ContactSurf
   const auto moves = [&](const std::array<Index, 4>& vertices) {
     return std::ranges::any_of(vertices, [&](Index v) { return subdomain.embedded(v).cell >= 0; });
   };
-  std::ranges::copy_if(whole.vertex_faces_, std::back_inserter(vertex_faces_), [&](const VertexFacePair& pair) {
-    return moves(subdomain.corners_of(pair.vertex, pair.face));
-  });
+  std::ranges::copy_if(whole.vertex_faces_, std::back_inserter(vertex_faces_),
+                       [&](const VertexFacePair& pair) { return moves(subdomain.corners_of(pair.vertex, pair.face)); });
   std::ranges::copy_if(whole.edges_, std::back_inserter(edges_),
                        [&](const EdgePair& pair) { return moves(subdomain.ends_of(pair.first, pair.second)); });
 }

@@ -97,9 +97,9 @@ class ContactSurface {
   void find_areas();
 
   const Lattice* lattice_;
-  const Lattice* whole_;                    // the same, unless that is a subdomain
-  std::vector<EmbeddedPoint> own_points_;   // of a subdomain
-  std::vector<Vec3> still_;                 // where its vertices are that do not move; empty: all may
+  const Lattice* whole_;                   // the same, unless that is a subdomain
+  std::vector<EmbeddedPoint> own_points_;  // of a subdomain
+  std::vector<Vec3> still_;                // where its vertices are that do not move; empty: all may
   std::span<const EmbeddedPoint> points_;
   double reach_;
   std::vector<Vec3> rest_;

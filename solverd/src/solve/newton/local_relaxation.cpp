@@ -20,8 +20,8 @@ constexpr double kMaxMoving = 0.05;  // of the free nodes
 constexpr double kReduction = 0.1;   // of the residual
 // Likewise where tissue presses on tissue: closed wounds touch all along, and what is left there holds up the whole.
 constexpr double kMaxMovingTouching = 0.3, kReductionTouching = 0.01;
-constexpr double kTighter = 0.3;     // than the tolerance need nothing be
-constexpr int kMaxNewton = 40;       // for each cluster
+constexpr double kTighter = 0.3;  // than the tolerance need nothing be
+constexpr int kMaxNewton = 40;    // for each cluster
 
 // The nodes that pairs of the surface that touch hang on, which move.
 template <class Real, class Body>
@@ -76,8 +76,8 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const E
   return moving;
 }
 
-// Which of the moving nodes hang together, by cells, by point constraints or by what presses: numbers from 1 on, 0 where
-// a node does not move.
+// Which of the moving nodes hang together, by cells, by point constraints or by what presses: numbers from 1 on, 0
+// where a node does not move.
 template <class Real>
 std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const TouchingPair> pairs,
                                    std::span<const std::uint8_t> moving, int& count) {
@@ -139,8 +139,7 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
   int count = 0;
   const auto cluster_of = clusters(*all.system, now.self_contact.pairs, all.moves, count);
   const double reduction = now.self_contact.touches() ? kReductionTouching : kReduction;
-  const double target =
-      std::max(reduction * now.residual, kTighter * tolerance * now.residual / now.relative_residual);
+  const double target = std::max(reduction * now.residual, kTighter * tolerance * now.residual / now.relative_residual);
   for (int k = 1; k <= count && !stop(); ++k) {
     std::vector<std::uint8_t> own(all.moves.size());
     for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == k;
