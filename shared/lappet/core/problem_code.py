@@ -219,6 +219,7 @@ class ProblemCode(StrEnum):
     FRAMES_ONE_OF_SEVERAL = auto()
     TISSUE_IN_TISSUE = auto()
     HOOK_HELD_BACK = auto()
+    SUTURE_HELD_APART = auto()
     FRAMES_START_PIERCED = auto()
 
     # texts/notes.toml

@@ -15,6 +15,7 @@ from lappet.geometry.normals import vertex_normals
 from lappet.geometry.self_overlap import winding_numbers
 from lappet.geometry.surface_check import place
 from lappet.program.program import Program
+from lappet.solve.contact_reach import contact_reach
 from lappet.solve.solve_frames import FrameResult
 
 SHORT = 1.0
@@ -65,18 +66,13 @@ def _shortest(program: Program, frames: Sequence[FrameResult]) -> dict[str, _Sho
     return found
 
 
-def _reach(spacing: float) -> float:
-    """How far apart in mm surfaces begin to press on each other (docs/solver.md)."""
-    return 0.05 * spacing * max(1.0, spacing)
-
-
 def _touching(program: Program, short: _Short) -> tuple[_Short, int] | None:
     """The vertex nearest to the hook that touches tissue and did not at rest; None where there is none near it."""
     epoch = next(each for each in program.epochs if each.index == short.frame.constraints.epoch)
     points, triangles = np.asarray(short.frame.solved.points, np.float64), epoch.surface.triangles
     away = np.linalg.norm(points - short.at, axis=1)
     near = np.flatnonzero(away < AROUND * program.settings.spacing)
-    ahead = _reach(program.settings.spacing)
+    ahead = contact_reach(program.settings.spacing)
     for surface, wanted in ((points, True), (np.asarray(epoch.surface.points, np.float64), False)):
         beyond = surface[near] + ahead * vertex_normals(surface, triangles)[near]
         near = near[(winding_numbers(AxisRays(surface, triangles, 2), beyond) > 0) == wanted]

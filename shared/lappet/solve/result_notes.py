@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from lappet.core.problem import Problem
 from lappet.program.program import Program
 from lappet.solve.fallbacks import fallbacks
+from lappet.solve.held_apart import held_apart_notes
 from lappet.solve.held_back import held_back_notes
 from lappet.solve.overlaps import overlap_notes
 from lappet.solve.sensitive import stability_notes
@@ -33,4 +34,5 @@ def result_notes(program: Program, frames: Sequence[FrameResult]) -> list[Proble
         *stability_notes(frames),
         *overlap_notes(program, frames),
         *held_back_notes(program, frames),
+        *held_apart_notes(program, frames),
     ]
