@@ -7,5 +7,16 @@ _FULL_SPACING = 1.0
 
 
 def contact_reach(spacing: float) -> float:
-    """Give the distance in mm from which on surfaces press on each other, of a lattice spacing in mm."""
+    """Give the distance from which on surfaces press on each other.
+
+    Parameters
+    ----------
+    spacing
+        The lattice spacing in mm.
+
+    Returns
+    -------
+    float
+        The distance in mm.
+    """
     return _SHARE * spacing * max(1.0, spacing / _FULL_SPACING)
