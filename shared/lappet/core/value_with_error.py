@@ -18,10 +18,11 @@ def with_error(value: float, error: float | None) -> str:
     Returns
     -------
     str
-        Value and error; the value alone with three digits where there is no error.
+        Value and error; the value alone with three digits where there is no error, without an exponent below ten million.
     """
     if error is None or not error > 0.0:
-        return f"{value:.3g}"
+        rounded = float(f"{value:.3g}")
+        return f"{rounded:.0f}" if 1e3 <= abs(rounded) < 1e7 else f"{value:.3g}"
     first = math.floor(math.log10(float(f"{error:.1e}")))
     digits = first - 1 if float(f"{error:.1e}") / 10.0**first < 1.95 else first
     shown = max(0, -digits)
