@@ -18,7 +18,8 @@ def with_error(value: float, error: float | None) -> str:
     Returns
     -------
     str
-        Value and error; the value alone with three digits where there is no error, without an exponent below ten million.
+        Value and error; the value alone with three digits where there is no error, below ten
+        million without an exponent.
     """
     if error is None or not error > 0.0:
         rounded = float(f"{value:.3g}")
