@@ -59,17 +59,15 @@ void BoxTree::refit(std::span<const Vec3> places, std::span<const Vec3> ways, st
     Node& node = nodes_[n];
     if (node.next < 0) {
       node.box = boxes_[node.first];
-      node.marked = node.all_marked = marked_[node.first];
+      node.marked = marked_[node.first];
       for (Index k = node.first + 1; k < node.last; ++k) {
         node.box.grow(boxes_[k]);
         node.marked |= marked_[k] != 0;
-        node.all_marked &= marked_[k] != 0;
       }
     } else {
       node.box = nodes_[n + 1].box;
       node.box.grow(nodes_[node.next].box);
       node.marked = nodes_[n + 1].marked || nodes_[node.next].marked;
-      node.all_marked = nodes_[n + 1].all_marked && nodes_[node.next].all_marked;
     }
   }
 }

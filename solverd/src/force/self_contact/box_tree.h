@@ -69,12 +69,11 @@ class BoxTree {
   struct Node {
     MovingBox box;
     Index first = 0, last = 0, next = -1;
-    bool marked = true, all_marked = true;  // one of them is, all of them are
+    bool marked = true;  // one of them is
   };
 
   Index build(Index first, Index last, std::span<const Vec3> centers);
-  // Calls body(leaf) for the leaves that may come near a marked one: of marked ones those whose triangles come there or
-  // later.
+  // Calls body(leaf) for the leaves that may come near another one and whose triangles come there or later.
   template <class Body>
   void visit(const Node& own, double distance, const Body& body) const {
     std::array<Index, 64> stack;
@@ -83,7 +82,7 @@ class BoxTree {
     while (height > 0) {
       const Index at = stack[--height];
       const Node& node = nodes_[at];
-      if ((node.last <= own.first && node.all_marked) || !node.box.may_meet(own.box, distance)) continue;
+      if (node.last <= own.first || !(own.marked || node.marked) || !node.box.may_meet(own.box, distance)) continue;
       if (node.next < 0) {
         body(node);
       } else {
@@ -95,13 +94,10 @@ class BoxTree {
   template <class Body>
   void visit_pairs(Index leaf, double distance, const Body& body) const {
     const Node& own = nodes_[leaves_[leaf]];
-    if (!own.marked) return;
     visit(own, distance, [&](const Node& other) {
-      for (Index i = own.first; i < own.last; ++i) {
-        if (!marked_[i]) continue;
-        for (Index k = other.first; k < other.last; ++k)
-          if ((k > i || !marked_[k]) && boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
-      }
+      for (Index i = own.first; i < own.last; ++i)
+        for (Index k = std::max(other.first, i + 1); k < other.last; ++k)
+          if ((marked_[i] || marked_[k]) && boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
     });
   }
 

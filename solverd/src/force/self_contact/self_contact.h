@@ -77,7 +77,8 @@ class SelfContact {
   template <class Real>
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most);
 
-  bool has_friction() const { return friction_.acts(); }
+  // Whether a subdomain knows what it touches: not where that rubs.
+  bool acts_in_subdomains() const { return !friction_.acts(); }
   double stiffness() const { return stiffness_; }
   // Of two walls that sutures hold together, mm: they touch, and do not press on each other yet.
   double distance_of_walls() const { return surface_.reach(); }

@@ -510,10 +510,8 @@ class EquilibriumSearch {
   // nodes: they go ahead.
   void relax() {
     if (now_.relative_residual <= options_.tolerance) return;
-    // Clusters know what they touch, unless it rubs.
-    const bool knows = system_.self_contact() && !system_.self_contact()->has_friction();
     std::optional<BeforeShortcut> state;
-    if (!knows) state.emplace(*this);
+    if (system_.self_contact() && !system_.self_contact()->acts_in_subdomains()) state.emplace(*this);
     const LocalRelaxation relaxed =
         relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);
     if (relaxed.nodes == 0) return;

@@ -23,10 +23,17 @@ constexpr double kMaxMovingTouching = 0.3, kReductionTouching = 0.01;
 constexpr double kTighter = 0.3;  // than the tolerance need nothing be
 constexpr int kMaxNewton = 40;    // for each cluster
 
-// The nodes that pairs of the surface that touch hang on, which move.
+// The pairs that press on each other, as far as subdomains know of them.
+template <class Real>
+std::span<const TouchingPair> known_pairs(const System<Real>& system, const Evaluation& now) {
+  if (!system.self_contact() || !system.self_contact()->acts_in_subdomains()) return {};
+  return now.self_contact.pairs;
+}
+
+// The nodes that each pair hangs on, which move.
 template <class Real, class Body>
 void for_each_touching(const System<Real>& system, std::span<const TouchingPair> pairs, const Body& body) {
-  if (!system.self_contact()) return;
+  if (pairs.empty()) return;
   const ContactSurface& surface = system.self_contact()->surface();
   std::vector<Index> nodes;
   for (const TouchingPair& pair : pairs) {
@@ -41,7 +48,8 @@ void for_each_touching(const System<Real>& system, std::span<const TouchingPair>
 // The free nodes whose forces are the largest, and some rings of cells around them; empty where they are too many, or
 // where what is left of the residual is elsewhere.
 template <class Real>
-std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const Evaluation& now) {
+std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const Evaluation& now,
+                                             std::span<const TouchingPair> touching) {
   const std::size_t size = system.nodes();
   const auto squared = [&](std::size_t n) {
     const double* g = &now.gradient[3 * n];
@@ -66,12 +74,12 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const E
     for (const auto& corners : system.lattice().cell_nodes) grow(corners);
     if (ring == 0) {  // a suture moves both its ends, and what presses what it presses on
       for (const PointConstraint& constraint : system.point_constraints()) grow(constraint.nodes());
-      for_each_touching(system, now.self_contact.pairs, grow);
+      for_each_touching(system, touching, grow);
     }
     moving = std::move(grown);
   }
   const auto count = static_cast<double>(std::ranges::count(moving, std::uint8_t{1}));
-  const double most = now.self_contact.touches() ? kMaxMovingTouching : kMaxMoving;
+  const double most = touching.empty() ? kMaxMoving : kMaxMovingTouching;
   if (count > most * static_cast<double>(system.free_nodes())) return {};
   return moving;
 }
@@ -132,13 +140,14 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
                               const Evaluation& now, double tolerance, bool inverts,
                               const std::function<bool()>& stop) {
   LocalRelaxation result;
-  const auto moving = around_what_is_off(system, now);
+  const std::span<const TouchingPair> touching = known_pairs(system, now);
+  const auto moving = around_what_is_off(system, now, touching);
   if (moving.empty()) return result;
   // First all together, so that each cluster is cut out of something small.
   Subdomain<Real> all = restrict_to<Real>(moving, system, u, multipliers);
   int count = 0;
-  const auto cluster_of = clusters(*all.system, now.self_contact.pairs, all.moves, count);
-  const double reduction = now.self_contact.touches() ? kReductionTouching : kReduction;
+  const auto cluster_of = clusters(*all.system, touching, all.moves, count);
+  const double reduction = touching.empty() ? kReduction : kReductionTouching;
   const double target = std::max(reduction * now.residual, kTighter * tolerance * now.residual / now.relative_residual);
   for (int k = 1; k <= count && !stop(); ++k) {
     std::vector<std::uint8_t> own(all.moves.size());

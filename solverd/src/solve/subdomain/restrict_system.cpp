@@ -119,7 +119,7 @@ std::unique_ptr<System<Real>> System<Real>::restricted(const Lattice& subdomain,
   result->set_loads(std::move(pressures), own_u);
   result->traction_force_ = of_nodes(traction_force_, place.nodes);
   if (contact()) result->contact_ = std::make_unique<Contact>(*contact(), subdomain, place_of_cell);
-  if (self_contact() && !self_contact()->has_friction())
+  if (self_contact() && self_contact()->acts_in_subdomains())
     result->self_contact_ = std::make_unique<SelfContact>(*self_contact(), subdomain, place_of_cell, u);
   result->set_point_constraints(restricted_point_constraints(place, u));
   if ((result->held_growth_ = held_growth_) != 1.0) result->set_quadratics();
