@@ -5,8 +5,8 @@
 //
 // What moves falls into clusters that no cell, no point constraint and nothing that touches joins; each is a subdomain,
 // a system of its own. The energy of the whole falls by what theirs fall: this is a descent like any other step.
-// Multipliers stay. Clusters know what they touch, and their ways are clear of it; where tissue rubs on tissue they know
-// nothing of it, and whether the way there is clear is for the caller to see.
+// Multipliers stay. Clusters know what they touch, and their ways are clear of it; where tissue rubs on tissue they
+// know nothing of it, and whether the way there is clear is for the caller to see.
 #pragma once
 #include <functional>
 #include <span>
