@@ -195,6 +195,22 @@ def test_no_process_outlives_the_broker(keyed: KeyedDaemon, how: signal.Signals)
     assert not folder.exists(), "the next broker leaves what a killed one left"
 
 
+def test_a_daemon_ends_soon_after_somebody_left_in_the_middle_of_much(keyed: KeyedDaemon) -> None:
+    """ZeroMQ keeps a connection that broke off with a reply half sent and messages unread until its next heartbeat."""
+    for _ in range(3):
+        with keyed.peer("anna") as anna:
+            for _ in range(400):
+                anna.send("ping")
+    with keyed.peer("bert") as bert:
+        folder = folder_of(solver_of(keyed, bert))
+    assert keyed.process is not None
+    keyed.process.terminate()
+    assert keyed.process.wait(5.0) == 0
+    assert not folder.exists()
+    assert "The daemon ends: it was told to by a signal." in keyed.log.read_text()
+    keyed.__enter__()  # the fixture's end wants one that lives
+
+
 def test_a_process_whose_broker_has_gone_does_not_begin(binary: Path) -> None:
     options = ["--process-memory", str(4 << 30), "--parent", "1"]
     done = subprocess.run([binary, *options], input="", capture_output=True, text=True, timeout=10, check=False)

@@ -81,8 +81,8 @@ class Broker {
 
   const BrokerOptions options_;
   KeysFolder keys_;
-  PrivateFolder folder_;  // of the sockets
   zmq::context_t context_;
+  PrivateFolder folder_;  // of the sockets; gone before the context ends, which may take long
   ZapHandler zap_;
   Gate gate_;
   Peers peers_;

@@ -90,7 +90,7 @@ int serve_users_with(Options& options) {
   broker.serves_one = broker.parent != 0;
   broker.input = kStandardInput;
   broker.verbose = options.verbose;
-  spdlog::warn("The daemon ends: {}.", serve_users(broker, say_where));
+  serve_users(broker, say_where);
   return 0;
 }
 

@@ -1,13 +1,18 @@
 #include "server/serve_users.h"
 
 #include <fcntl.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <future>
+#include <memory>
 
 #include "server/broker.h"
 
@@ -51,14 +56,26 @@ void share_descriptors(GateLimits& gate) {
   gate.known = std::min<rlim_t>(gate.known, connections - gate.unknown);
 }
 
+// ZeroMQ waits for a connection that broke off with a message half sent and others unread, up to its next heartbeat
+// (BrokerPeer's linger). Whoever it was has gone: nobody waits for that.
+void end(std::unique_ptr<Broker> daemon) {
+  constexpr std::chrono::seconds kPatience{2};
+  const std::future<void> ended = std::async(std::launch::async, [&daemon] { daemon.reset(); });
+  if (ended.wait_for(kPatience) == std::future_status::ready) return;
+  spdlog::info("A connection that broke off is not waited for.");
+  std::_Exit(0);
+}
+
 }  // namespace
 
-std::string serve_users(BrokerOptions options, const std::function<void(const std::string& endpoint)>& say_where) {
+void serve_users(BrokerOptions options, const std::function<void(const std::string& endpoint)>& say_where) {
   options.signals = catch_signals();
   share_descriptors(options.gate);
-  Broker daemon(options);
-  say_where(daemon.endpoint());
-  return daemon.run();
+  auto daemon = std::make_unique<Broker>(options);
+  say_where(daemon->endpoint());
+  const std::string reason = daemon->run();
+  spdlog::warn("The daemon ends: {}.", reason);
+  end(std::move(daemon));
 }
 
 }  // namespace lappet

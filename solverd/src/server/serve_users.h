@@ -7,8 +7,9 @@
 
 namespace lappet {
 
-// Serves the users of the folder of keys; `say_where` is told the address once it listens. Returns why it ended.
-// Signals that ask a program to end do. Throws RefusedError where it cannot start.
-std::string serve_users(BrokerOptions options, const std::function<void(const std::string& endpoint)>& say_where);
+// Serves the users of the folder of keys; `say_where` is told the address once it listens. Signals that ask a program
+// to end do, and the log says why it ended. Where a connection that broke off would hold that up it ends the process
+// with status 0. Throws RefusedError where it cannot start.
+void serve_users(BrokerOptions options, const std::function<void(const std::string& endpoint)>& say_where);
 
 }  // namespace lappet

@@ -6,7 +6,7 @@
 
 namespace lappet {
 
-std::string serve_users(BrokerOptions, const std::function<void(const std::string& endpoint)>&) {
+void serve_users(BrokerOptions, const std::function<void(const std::string& endpoint)>&) {
   throw RefusedError(ErrorCode::kInvalidInput,
                      "The daemon for Windows serves its own user only; leave out --keys, or start a daemon for several "
                      "users on Linux.");
