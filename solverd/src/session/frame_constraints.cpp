@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "session/wall_ends.h"
+
 namespace lappet {
 
 namespace {
@@ -13,8 +15,6 @@ namespace {
 constexpr double kSuturePenalty = 50.0;
 // A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
 constexpr double kMaxPenalty = 1000.0;
-// Faces face each other from this cosine between their normals on.
-constexpr double kFacing = -0.3;
 // Spacings by which the ends of a suture may be held apart by walls that touch and do not fit: chosen.
 constexpr double kHeldApart = 0.25;
 
@@ -218,33 +218,18 @@ const typename FrameConstraints<Real>::Ends* FrameConstraints<Real>::ends_betwee
   return known->second ? &*known->second : nullptr;
 }
 
-// Of the walls of wounds around each anchor the nearest. Without them, as in a mesh whose lips were never cut, of all
-// faces those two that face each other at rest, the nearest first.
 template <class Real>
 std::optional<typename FrameConstraints<Real>::Ends> FrameConstraints<Real>::find_ends_between_walls(
     const SutureState& suture) const {
-  using Facing = AnchorStencils::Facing;
-  std::optional<std::pair<Facing, Facing>> nearest;
-  const auto find = [&](const auto& are_pair) {
-    for (const Facing& a : stencil_maker().faces_above(suture.a.point))
-      for (const Facing& b : stencil_maker().faces_above(suture.b.point))
-        if (are_pair(a, b) && (!nearest || a.depth + b.depth < nearest->first.depth + nearest->second.depth))
-          nearest = {a, b};
-  };
-  if (!walls_.empty())
-    find([&](const Facing& a, const Facing& b) { return walls_[a.triangle] != 0 && walls_[b.triangle] != 0; });
-  if (!nearest) find([](const Facing& a, const Facing& b) { return a.normal.dot(b.normal) < kFacing; });
-  if (!nearest) return std::nullopt;
+  const auto ends = find_wall_ends(stencil_maker(), surface_, walls_, suture.a.point, suture.b.point);
+  if (!ends) return std::nullopt;
   // Walls that are close at rest, as at the end of a cut, press on each other from half of that on only.
-  const Vec3 on_first = suture.a.point + nearest->first.depth * nearest->first.normal;
-  const Vec3 on_second = suture.b.point + nearest->second.depth * nearest->second.normal;
-  const double apart =
-      std::min(system_.self_contact_or_suspended()->distance_of_walls(), kShareOfRest * (on_first - on_second).norm());
-  const auto out_to_middle = [&](const Anchor& anchor, const Facing& wall) {
-    const Vec3 beyond = (wall.depth + 0.5 * apart) * wall.normal;
-    return stencil_maker().around(anchor.point, anchor.triangle, beyond);
+  const double at_rest = (suture.a.point + ends->first.out - suture.b.point - ends->second.out).norm();
+  const double apart = std::min(system_.self_contact_or_suspended()->distance_of_walls(), kShareOfRest * at_rest);
+  const auto stencil = [&](const Anchor& anchor, const WallEnd& end) {
+    return stencil_maker().around(anchor.point, anchor.triangle, end.beyond(apart));
   };
-  return Ends(out_to_middle(suture.a, nearest->first), out_to_middle(suture.b, nearest->second));
+  return Ends(stencil(suture.a, ends->first), stencil(suture.b, ends->second));
 }
 
 // As SolverState keeps it.
