@@ -20,6 +20,9 @@ constexpr double kOneWall = 0.9;
 // than 39 degrees less is touched than is asked for.
 constexpr double kFarthest = 1.0, kFastest = 3.0;  // mm; mm per mm
 constexpr double kSamePoint = 1e-6;                // mm
+// An anchor lies in the middle of a tip where one of its walls is so many times as far as the other at most. Two walls
+// that look away from each other beyond this cosine are those of a thin part.
+constexpr double kInMiddle = 1.25, kThin = -0.95;
 
 WallEnd end_at(const Facing& face) { return {face.depth * face.normal, face.normal}; }
 
@@ -73,13 +76,24 @@ std::optional<WallEnd> edge_before(const Surface& surface, std::span<const std::
   return WallEnd{near.front().point - anchor, ahead_of(normals)};
 }
 
-// The edge of a tip under which an anchor lies: where the two nearest walls above it meet.
-std::optional<WallEnd> edge_above(std::vector<Facing> faces) {
-  if (faces.size() < 2) return std::nullopt;
-  std::ranges::stable_sort(faces, {}, &Facing::depth);
+// The edge of a tip under which an anchor lies: where the two nearest walls above it meet, which are about as far.
+std::optional<WallEnd> edge_above(const std::vector<Facing>& faces) {
+  if (faces.size() < 2 || faces[1].depth > kInMiddle * faces[0].depth) return std::nullopt;
   const std::vector<Vec3> normals{faces[0].normal, faces[1].normal};
+  if (normals[0].dot(normals[1]) < kThin) return std::nullopt;
   const WallEnd end{with_heights(normals, {faces[0].depth, faces[1].depth}), ahead_of(normals)};
   return end.out.norm() <= kFarthest ? std::optional(end) : std::nullopt;
+}
+
+// above: all faces above the anchor.
+std::optional<WallEnd> end_on_walls(const Surface& surface, std::span<const std::uint8_t> walls, const Vec3& anchor,
+                                    std::vector<Facing> above) {
+  if (const auto edge = edge_before(surface, walls, anchor)) return edge;
+  std::erase_if(above, [&](const Facing& face) { return walls[face.triangle] == 0; });
+  if (above.empty()) return std::nullopt;
+  std::ranges::stable_sort(above, {}, &Facing::depth);
+  if (const auto edge = edge_above(above)) return edge;
+  return end_at(above.front());
 }
 
 }  // namespace
@@ -88,31 +102,17 @@ std::optional<std::pair<WallEnd, WallEnd>> find_wall_ends(const AnchorStencils& 
                                                           std::span<const std::uint8_t> walls, const Vec3& first,
                                                           const Vec3& second) {
   const std::vector<Facing> above_first = stencils.faces_above(first), above_second = stencils.faces_above(second);
-  std::optional<std::pair<Facing, Facing>> nearest;
-  const auto find = [&](const auto& are_pair) {
-    for (const Facing& a : above_first)
-      for (const Facing& b : above_second)
-        if (are_pair(a, b) && (!nearest || a.depth + b.depth < nearest->first.depth + nearest->second.depth))
-          nearest = {a, b};
-  };
   if (!walls.empty()) {
-    const auto walls_of = [&](std::vector<Facing> faces) {
-      std::erase_if(faces, [&](const Facing& face) { return walls[face.triangle] == 0; });
-      return faces;
-    };
-    const auto into_corner = [&](const Vec3& anchor,
-                                 const std::vector<Facing>& others) -> std::optional<std::pair<WallEnd, WallEnd>> {
-      const std::optional<WallEnd> corner = edge_before(surface, walls, anchor);
-      if (!corner || others.empty()) return std::nullopt;
-      const std::optional<WallEnd> tip = edge_above(others);
-      return std::pair(*corner, tip ? *tip : end_at(*std::ranges::min_element(others, {}, &Facing::depth)));
-    };
-    const std::vector<Facing> walls_first = walls_of(above_first), walls_second = walls_of(above_second);
-    if (const auto ends = into_corner(first, walls_second)) return ends;
-    if (const auto ends = into_corner(second, walls_first)) return std::pair(ends->second, ends->first);
-    find([&](const Facing& a, const Facing& b) { return walls[a.triangle] != 0 && walls[b.triangle] != 0; });
+    const auto own = end_on_walls(surface, walls, first, above_first);
+    const auto other = end_on_walls(surface, walls, second, above_second);
+    if (own && other) return std::pair(*own, *other);
   }
-  if (!nearest) find([](const Facing& a, const Facing& b) { return a.normal.dot(b.normal) < kFacing; });
+  std::optional<std::pair<Facing, Facing>> nearest;
+  for (const Facing& a : above_first)
+    for (const Facing& b : above_second)
+      if (a.normal.dot(b.normal) < kFacing &&
+          (!nearest || a.depth + b.depth < nearest->first.depth + nearest->second.depth))
+        nearest = {a, b};
   if (!nearest) return std::nullopt;
   return std::pair(end_at(nearest->first), end_at(nearest->second));
 }

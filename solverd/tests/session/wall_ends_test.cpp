@@ -97,12 +97,32 @@ TEST(WallEnds, IsAPointOfAWallWhereThatAloneComesIntoACorner) {
 }
 
 TEST(WallEnds, OfASharpTipGoThreeTimesAsFarAheadAsItsWallsAtMost) {
-  const NotchAndFlap scene(std::tan(std::numbers::pi / 36.0));  // 10 degrees
+  const NotchAndFlap scene(std::tan(std::numbers::pi / 12.0));  // 30 degrees, 1 / sin 15 would be 3.9 times as far
   const auto ends = scene.ends(Vec3(-0.3, 0.0, 2.0), Vec3(kTip + 0.6, 0.0, 2.0));
   ASSERT_TRUE(ends);
   EXPECT_LT((ends->first.ahead - Vec3(3.0, 0.0, 0.0)).norm(), 1e-9);
   EXPECT_LT((ends->second.ahead + Vec3(3.0, 0.0, 0.0)).norm(), 1e-9);
   EXPECT_LT((ends->second.out + Vec3(0.6, 0.0, 0.0)).norm(), 1e-9);
+}
+
+TEST(WallEnds, IsTheEdgeOfATipInWhoseMiddleTheAnchorLiesWhateverItComesTo) {
+  const NotchAndFlap scene;
+  const Vec3 inside(kTip + 0.34, 0.0, 2.0);
+  const auto ends = scene.ends(inside, Vec3(kTip + 5.7, 0.0, 2.0));
+  ASSERT_TRUE(ends);
+  EXPECT_LT((inside + ends->first.out - Vec3(kTip, 0.0, 2.0)).norm(), 1e-9);
+  // Beside the middle it is a point of the nearer wall.
+  const auto beside = scene.ends(inside + Vec3(0.0, 0.03, 0.0), Vec3(kTip + 5.7, 0.0, 2.0));
+  ASSERT_TRUE(beside);
+  EXPECT_NEAR(beside->first.ahead.norm(), 1.0, 1e-9);
+}
+
+TEST(WallEnds, LieOnTheNearerSideOfAThinPart) {
+  const NotchAndFlap scene(std::tan(std::numbers::pi / 36.0));  // 10 degrees
+  const auto ends = scene.ends(Vec3(kTip + 3.0, 0.0, 2.0), Vec3(kTip + 5.7, 0.0, 2.0));
+  ASSERT_TRUE(ends);
+  EXPECT_NEAR(ends->first.out.norm(), 3.0 * std::sin(std::numbers::pi / 36.0), 1e-9);
+  EXPECT_NEAR(ends->first.ahead.norm(), 1.0, 1e-9);
 }
 
 TEST(WallEnds, AreNoneFarFromEveryWall) {
