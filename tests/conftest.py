@@ -14,6 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 
+from kept_sheets import kept_sheets  # noqa: F401  (a fixture)
 from lappet.daemon.client import DaemonMissing
 from lappet.daemon.process import SolverDaemon, find_daemon
 from lappet.usd.stage import pxr
