@@ -20,7 +20,7 @@ from lappet.procedure import Tissue
 
 
 class KeptSheets:
-    """What stands for `model_sheet`: it makes a sheet, or reads what this or another worker of the run made of the same.
+    """Stands for `model_sheet`: it makes a sheet, or reads what this or another worker of the run made of the same.
 
     folder: of this run, which all its workers know.
     """
