@@ -14,6 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 
+from kept_sheets import kept_sheets  # noqa: F401  (a fixture)
 from lappet.daemon.client import DaemonMissing
 from lappet.daemon.process import SolverDaemon, find_daemon
 from lappet.usd.stage import pxr
@@ -24,7 +25,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-# tests/test_blender.py runs these, each file in a process without usd-core.
+# tests/addon/test_blender.py runs these, in processes without usd-core.
 collect_ignore = ["blender"]
 
 # USD reads the schemas once, when the first stage of the process is opened, whichever test does that.

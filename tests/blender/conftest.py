@@ -1,7 +1,7 @@
 """A fresh Blender scene for every test; the add-on is registered once per process.
 
-Blender and usd-core cannot live in one process, so nothing here may import usd-core's pxr: `tests/test_blender.py` runs
-each of these files in a process of its own, without the conftest above. By hand:
+Blender and usd-core cannot live in one process, so nothing here may import usd-core's pxr: tests/addon/test_blender.py
+runs these files in processes of their own, without the conftest above. By hand:
 `python -m pytest --confcutdir=tests/blender tests/blender/test_X.py`.
 """
 

@@ -58,7 +58,7 @@ def test_an_operation_on_a_face_is_sound(name: str) -> None:
 
 
 def test_limbergs_flap_closes_the_defect_of_a_cheek(tmp_path: Path) -> None:
-    procedure = flap_on_model("cheek_limberg", spacing=1.5)
+    procedure = flap_on_model("cheek_limberg", spacing=2.0)
     result = solve_procedure(
         procedure, tmp_path / "cheek.usdc", store=FrameStore(tmp_path / "store"), error_estimate=False
     )

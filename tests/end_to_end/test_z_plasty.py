@@ -31,13 +31,14 @@ THICKNESS = 4.0  # mm
 @pytest.mark.timeout(900)
 def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path: Path) -> None:
     cache = tmp_path / "z_plasty.usdc"
-    settings, store = SolverSettings(spacing=1.0), FrameStore(tmp_path / "store")
+    # At 1 and 1.25 mm, three and two times as many cells, all that is asserted is the same within a tenth of its bound.
+    settings, store = SolverSettings(spacing=1.5), FrameStore(tmp_path / "store")
     result = solve_procedure(z_plasty(), cache, settings, store=store, error_estimate=False)
     assert result.complete, result.reason
     values = report(result)
     frames = values["frames"]
     first, last = frames[0], frames[-1]
-    assert 30_000 < values["lattice"]["cells"] < 35_000
+    assert 10_000 < values["lattice"]["cells"] < 12_000
     assert all(frame["converged"] and frame["residual"] <= 1e-3 for frame in frames)
     assert sum(frame["inverted_cells"] for frame in frames) == 0
     assert last["minimum_j"] > 0.5

@@ -185,3 +185,20 @@ def test_many_points_at_once_take_less_than_a_quarter_of_the_time_of_one_by_one(
     _, _, distance = surface.query(queries)
     assert time.process_time() - start < 0.25 * len(queries) * one_by_one
     assert (distance < 3.1).all()
+
+
+@pytest.mark.parametrize("within", [np.inf, 1.0])
+def test_a_point_alone_gets_the_answer_that_it_gets_among_others_and_again_when_it_is_asked_again(
+    within: float,
+) -> None:
+    generator = np.random.default_rng(7)
+    vertices = np.round(generator.normal(0.0, 3.0, (200, 3)))  # many triangles are as far as each other, some are flat
+    vertices[3] = np.nan
+    surface = ClosestPoint(vertices, generator.integers(0, 200, (400, 3)))
+    queries = np.concatenate([np.round(generator.normal(0.0, 4.0, (60, 3))), [[np.nan, 0.0, 0.0], [1e9, 0.0, 0.0]]])
+    together = surface.query(queries, within)
+    for k in range(len(queries)):
+        for _ in range(2):
+            for alone, all_of_them in zip(surface.query(queries[k], within), together, strict=True):
+                np.testing.assert_array_equal(alone[0], all_of_them[k])
+                alone += 1  # what is answered belongs to who asked

@@ -122,14 +122,7 @@ class ReadingProcess:
         from lappet.foreign.reading_child import ReadRefusal
 
         try:
-            status = self._process.wait()
-            if status != 0:
-                raise self._refusal(status)
-            size = os.fstat(self._said.fileno()).st_size
-            if size > self._limits.size:
-                raise self._size_refusal()
-            self._said.seek(0)
-            value = unpack(self._said.read(size), kind | ReadRefusal)
+            value = unpack(self._answer(), kind | ReadRefusal)
         except CodecError as error:
             raise refused(ProblemCode.READ_DIED, self._file, error.problems[0].value, memory=self._gib()) from error
         finally:
@@ -137,6 +130,17 @@ class ReadingProcess:
         if isinstance(value, ReadRefusal):
             raise RefusedError(value.problems)
         return value
+
+    def _answer(self) -> bytes:
+        """Wait for what the process hands over."""
+        status = self._process.wait()
+        if status != 0:
+            raise self._refusal(status)
+        size = os.fstat(self._said.fileno()).st_size
+        if size > self._limits.size:
+            raise self._size_refusal()
+        self._said.seek(0)
+        return self._said.read(size)
 
     def _end_late(self) -> None:
         self._late.set()

@@ -144,8 +144,9 @@ class _Energy:
     """The symmetric Dirichlet energy of layouts of one patch."""
 
     triangles: NDArray[np.int64]
+    corner: NDArray[np.int64]  # (3, m)
     area: NDArray[np.float64]
-    across: NDArray[np.float64]  # (m, 3, 2): J = sum over corners of U ⊗ across
+    across: NDArray[np.float64]  # (3, 2, m): J = sum over corners of U ⊗ across
     laplacian: _Laplacian
 
     @staticmethod
@@ -162,28 +163,34 @@ class _Energy:
         across = np.concatenate([-inverse.sum(axis=2)[:, None], inverse.swapaxes(1, 2)], axis=1)
         area = 0.5 * length * y * importance
         weights = -np.stack([np.einsum("ij,ij->i", across[:, k], across[:, (k + 1) % 3]) for k in range(3)])
-        return _Energy(triangles, area, across, _Laplacian.of(triangles, weights * area, points))
+        corner, columns = np.ascontiguousarray(triangles.T), np.ascontiguousarray(across.transpose(1, 2, 0))
+        return _Energy(triangles, corner, area, columns, _Laplacian.of(triangles, weights * area, points))
 
     def at(self, layout: Layout) -> tuple[float, Layout]:
         """The energy, infinite where a triangle is turned over, and its gradient (n, 2)."""
-        jacobian = np.einsum("mci,mcj->mij", layout[self.triangles], self.across)
-        determinant = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
+        # Written out by components: einsum takes several times as long over matrices as small as these.
+        corner = self.corner
+        x, y = (np.ascontiguousarray(column) for column in layout.T)
+        (xa, xb, xc), (ya, yb, yc) = ([each[c] for c in corner] for each in (x, y))
+        (ax, ay), (bx, by), (cx, cy) = self.across
+        xx, xy = xa * ax + xb * bx + xc * cx, xa * ay + xb * by + xc * cy  # J by rows
+        yx, yy = ya * ax + yb * bx + yc * cx, ya * ay + yb * by + yc * cy
+        determinant = xx * yy - xy * yx
         if not (determinant > 0.0).all():
             return np.inf, np.zeros_like(layout)
-        squared = np.einsum("mij,mij->m", jacobian, jacobian)
+        squared = (xx * xx + xy * xy) + (yx * yx + yy * yy)
         # ‖J⁻¹‖² = ‖J‖² / det², whose derivative follows by that of det, the cofactors.
-        cofactor = np.empty_like(jacobian)
-        cofactor[:, 0, 0], cofactor[:, 1, 1] = jacobian[:, 1, 1], jacobian[:, 0, 0]
-        cofactor[:, 0, 1], cofactor[:, 1, 0] = -jacobian[:, 1, 0], -jacobian[:, 0, 1]
         inverse = 1.0 / (determinant * determinant)
         value = float((self.area * squared * (1.0 + inverse)).sum())
-        slope = 2.0 * (1.0 + inverse)[:, None, None] * jacobian
-        slope -= (2.0 * squared * inverse / determinant)[:, None, None] * cofactor
-        each = np.einsum("m,mij,mcj->mci", self.area, slope, self.across).reshape(-1, 2)
-        flat = self.triangles.reshape(-1)
+        of_length, of_area = 2.0 * (1.0 + inverse), 2.0 * squared * inverse / determinant
+        slope_xx, slope_xy = of_length * xx - of_area * yy, of_length * xy - of_area * -yx
+        slope_yx, slope_yy = of_length * yx - of_area * -xy, of_length * yy - of_area * xx
         gradient: Layout = np.zeros_like(layout)
-        for k in range(2):
-            gradient[:, k] = np.bincount(flat, each[:, k], len(layout))
+        flat = self.triangles.reshape(-1)
+        for k, (one, two) in enumerate(((slope_xx, slope_xy), (slope_yx, slope_yy))):
+            one, two = self.area * one, self.area * two
+            each = np.stack([one * across_x + two * across_y for across_x, across_y in self.across], axis=1)
+            gradient[:, k] = np.bincount(flat, each.reshape(-1), len(layout))
         return value, gradient
 
 
@@ -194,7 +201,7 @@ class _Laplacian:
     The preconditioner adds what single vertices give and what clusters of them give that move as one.
     """
 
-    edges: NDArray[np.int64]
+    ends: NDArray[np.int64]  # of the edges, (2, e)
     weights: NDArray[np.float64]
     diagonal: NDArray[np.float64]
     cluster: NDArray[np.int64]
@@ -215,17 +222,22 @@ class _Laplacian:
         np.fill_diagonal(matrix, 0.0)
         np.fill_diagonal(matrix, -matrix.sum(axis=1))
         coarse = np.linalg.pinv(matrix, rcond=1e-10, hermitian=True)
-        return _Laplacian(edges, total, _degree(edges, total, len(points)), cluster, coarse)
+        return _Laplacian(np.ascontiguousarray(edges.T), total, _degree(edges, total, len(points)), cluster, coarse)
 
     def _conditioned(self, rest: Layout) -> Layout:
         sums = np.stack([np.bincount(self.cluster, each, len(self.coarse)) for each in rest.T], axis=1)
-        return np.asarray(rest / np.maximum(self.diagonal, 1e-300)[:, None] + (self.coarse @ sums)[self.cluster])
+        return np.asarray(
+            rest / np.maximum(self.diagonal, 1e-300)[:, None] + np.take(self.coarse @ sums, self.cluster, axis=0)
+        )
 
     def times(self, values: Layout) -> Layout:
-        a, b = self.edges.T
-        flow = self.weights[:, None] * (values[a] - values[b])
-        size = len(values)
-        return np.stack([np.bincount(a, f, size) - np.bincount(b, f, size) for f in flow.T], axis=1)
+        a, b = self.ends
+        product = np.empty_like(values)
+        for k, column in enumerate(values.T):
+            column = np.ascontiguousarray(column)
+            flow = self.weights * (column[a] - column[b])
+            product[:, k] = np.bincount(a, flow, len(values)) - np.bincount(b, flow, len(values))
+        return product
 
     def solve(self, right: Layout) -> Layout:
         right = right - right.mean(axis=0)

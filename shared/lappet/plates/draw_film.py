@@ -256,7 +256,8 @@ def _draw(
     said = film_caption(frame, maker.words, maker.font)
     page = PlatePage(_page_size(options), maker.size, (panel,), said)
     dpi = 25.4 * options.size[0] / WIDTH
-    svg = plate_svg(page, maker.style, maker.font, dpi, options.ground, {} if painting is None else {0: painting})
+    paintings = {} if painting is None else {0: painting}
+    svg = plate_svg(page, maker.style, maker.font, dpi, options.ground, paintings, carries_font=False)
     write_plate(svg, page.size, said, maker.font, path, dpi, transparent=options.transparent)
 
 

@@ -170,7 +170,9 @@ def draw_plate(
     if journal is not None:
         journal.check_height(page.size)
     paintings = page_paintings(page, style, options.tone, dpi, progress)
-    svg = plate_svg(page, style, font, dpi, CLEAR if options.transparent else WHITE, paintings)
+    ground = CLEAR if options.transparent else WHITE
+    as_svg = any(picture.suffix.lower() == ".svg" for picture in pictures)
+    svg = plate_svg(page, style, font, dpi, ground, paintings, carries_font=as_svg)
     for picture in pictures:
         write_plate(svg, page.size, page.alt, font, picture, dpi, options.profile, options.transparent)
     notes += journal.notes(font.family, tuple(pictures)) if journal is not None else []

@@ -55,6 +55,7 @@ def plate_svg(
     dpi: float,
     ground: PageGround = WHITE,
     paintings: Mapping[int, bytes] = MappingProxyType({}),
+    carries_font: bool = True,
 ) -> str:
     """Write a page as SVG.
 
@@ -65,20 +66,22 @@ def plate_svg(
     style
         How it looks.
     font
-        Its font; the part that is needed is embedded.
+        Its font.
     dpi
         Pixels per inch of shading.
     ground
         Color of the paper and of captions.
     paintings
         By the index of a panel, the PNG that lies below its lines.
+    carries_font
+        Whether the part of the font that is needed is embedded, which takes a second: whoever sets it as pixels or as
+        PDF has the font itself.
 
     Returns
     -------
     str
         The document, in mm.
     """
-    texts = page.texts()
     drawing = drawsvg.Drawing(*page.size, id_prefix="d")
     for group in _layers(page, style, font, dpi, ground, paintings):
         drawing.append(group)
@@ -91,11 +94,11 @@ def plate_svg(
         f'width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
         f'role="img" aria-label="{_plain(page.alt)}"'
     )
-    face = (
-        f"<title>{_plain(page.alt)}</title><style>@font-face{{font-family:'{font.family}';"
-        f"src:url({font.embedded(texts)})}}</style>"
-    )
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + svg[:begin] + head + ">" + face + svg[end + 1 :]
+    title, face = f"<title>{_plain(page.alt)}</title>", ""
+    if carries_font:
+        source = font.embedded(page.texts())
+        face = f"<style>@font-face{{font-family:'{font.family}';src:url({source})}}</style>"
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + svg[:begin] + head + ">" + title + face + svg[end + 1 :]
 
 
 def _plain(text: str) -> str:
