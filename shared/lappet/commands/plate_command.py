@@ -11,6 +11,8 @@ from lappet.commands.extras import extra
 from lappet.commands.parameters import FILE, FrameList, PlaneNumbers
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import ReadLimits
 
 _STYLES = ("ink", "schematic", "halftone", "wash", "painted")
@@ -153,7 +155,11 @@ def plate(
             return
         with extra("A plate", "plates"):
             from lappet.plates.draw_plate import PlateOptions, draw_plate
+            from lappet.plates.plate_files import SUFFIXES
 
+        if template and picture.suffix.lower() not in SUFFIXES:
+            known = ", ".join((*SUFFIXES, *_PROCEDURES))
+            raise refused(ProblemCode.PLATE_SUFFIX, picture, picture.suffix, known=known)
         if kept or template:  # what the user did not say is as the plate has it
             given = click.core.ParameterSource.DEFAULT
             shown = {name: value for name, value in shown.items() if context.get_parameter_source(name) is not given}
