@@ -150,16 +150,11 @@ def plate(
     if kept and template:
         raise click.UsageError("Give --plate or --template, not both.")
     with sentences(context):
-        if template and picture.suffix.lower() in _PROCEDURES:
-            _add_template(caches, picture, template, limits)
+        if template and _added_template(caches, picture, template, limits):
             return
         with extra("A plate", "plates"):
             from lappet.plates.draw_plate import PlateOptions, draw_plate
-            from lappet.plates.plate_files import SUFFIXES
 
-        if template and picture.suffix.lower() not in SUFFIXES:
-            known = ", ".join((*SUFFIXES, *_PROCEDURES))
-            raise refused(ProblemCode.PLATE_SUFFIX, picture, picture.suffix, known=known)
         if kept or template:  # what the user did not say is as the plate has it
             given = click.core.ParameterSource.DEFAULT
             shown = {name: value for name, value in shown.items() if context.get_parameter_source(name) is not given}
@@ -188,8 +183,14 @@ def plate(
             click.echo(draw_movie(caches[0], movie, drawn.options, limits))
 
 
-def _add_template(files: tuple[Path, ...], output: Path, template: str, limits: ReadLimits) -> None:
-    """Make a template a plate of a procedure."""
+def _added_template(files: tuple[Path, ...], output: Path, template: str, limits: ReadLimits) -> bool:
+    """Make a template a plate of a procedure; False where the output is a picture, which is to be drawn."""
+    if output.suffix.lower() not in _PROCEDURES:
+        with extra("A plate", "plates"):
+            from lappet.plates.plate_files import SUFFIXES
+        if output.suffix.lower() in SUFFIXES:
+            return False
+        raise refused(ProblemCode.PLATE_SUFFIX, output, output.suffix, known=", ".join((*SUFFIXES, *_PROCEDURES)))
     if len(files) != 1:
         raise click.UsageError("A template becomes a plate of one procedure; give one file.")
     from dataclasses import replace
@@ -202,3 +203,4 @@ def _add_template(files: tuple[Path, ...], output: Path, template: str, limits: 
     write_procedure(replace(given, plates=(*given.plates, plate)), output)
     panels = ", ".join(panel.name for panel in plate.panels)
     click.echo(f"Written: {output}, with the plate {plate.name!r} ({panels})")
+    return True
