@@ -357,6 +357,32 @@ def test_an_oblique_stage_is_seen_so_steeply_that_the_patch_fills_the_picture(sh
             assert (next_x - x) * (corner_y - y) > (next_y - y) * (corner_x - x)
 
 
+def test_where_a_body_is_shown_the_stage_holds_enough_of_it_and_its_paper_lies_below(shown: bpy.types.Scene) -> None:
+    """As plates do: of a wound alone nobody knows where on a face it is."""
+    bpy.ops.lappet.set_stage(engine="KEEP", view="TOP", width=1600, height=1200)
+    alone = np.array(skin_in_picture(shown))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=10.0, location=(0.0, 0.0, -12.0))
+    body = bpy.context.object
+    body["lappet_scenery"] = "skin"
+    bpy.ops.lappet.set_stage(engine="KEEP", view="TOP", width=1600, height=1200)
+    around = np.array(skin_in_picture(shown))
+    assert np.ptp(alone[:, 0]) > 1.0  # the patch's rim is beyond the picture
+    assert around.min() > 0.0
+    assert around.max() < 1.0
+    paper = shown.objects["Backdrop"].matrix_world.translation.z
+    assert paper < min((body.matrix_world @ vertex.co).z for vertex in body.data.vertices)
+    body.hide_render = True
+    bpy.ops.lappet.set_stage(engine="KEEP", view="TOP", width=1600, height=1200)
+    np.testing.assert_allclose(skin_in_picture(shown), alone, atol=1e-5)
+
+
+def skin_in_picture(scene: bpy.types.Scene) -> list[tuple[float, float]]:
+    """Where in the camera's picture, 0 to 1, the corners of the tissue's box are."""
+    tissue = scene.lappet.tissue.object
+    seen = [world_to_camera_view(scene, scene.camera, tissue.matrix_world @ Vector(each)) for each in tissue.bound_box]
+    return [(each.x, each.y) for each in seen]
+
+
 def test_a_stage_that_is_removed_leaves_no_nodes(shown: bpy.types.Scene) -> None:
     before = len(bpy.data.node_groups)
     bpy.ops.lappet.set_stage(engine="KEEP")

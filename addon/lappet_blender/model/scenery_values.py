@@ -6,6 +6,8 @@ An object is scenery where it has the property `lappet_scenery`, which says of w
 from __future__ import annotations
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from lappet.procedure import SCENERY_KINDS, Procedure, Scenery
 
@@ -67,6 +69,12 @@ def scenery_values(scene: bpy.types.Scene) -> tuple[Scenery, ...]:
         names.add(name)
         found.append(Scenery(name, mesh.points, mesh.counts, mesh.indices, kind))
     return tuple(found)
+
+
+def scenery_points(scene: bpy.types.Scene) -> list[NDArray[np.float64]]:
+    """The vertices in mm, shape (n, 3), of each object of the scenery that a render shows."""
+    shown = [obj for obj in scene.objects if obj.type == "MESH" and PROPERTY in obj and not obj.hide_render]
+    return [points for obj in shown if len(points := np.asarray(mesh_values(scene, obj).points, np.float64))]
 
 
 def _material(kind: str) -> bpy.types.Material:
