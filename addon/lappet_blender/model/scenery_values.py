@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.drawing.surface_look import SKIN_LOOK
 from lappet.procedure import SCENERY_KINDS, Procedure, Scenery
 
 from .mesh_objects import mesh_object
@@ -17,7 +18,7 @@ from .tissue_values import identifier
 
 PROPERTY = "lappet_scenery"
 _COLORS = {
-    "skin": (0.76, 0.50, 0.38, 1.0),
+    "skin": (*SKIN_LOOK.color, 1.0),  # that of the tissue among it
     "eye": (0.86, 0.85, 0.83, 1.0),
     "iris": (0.13, 0.19, 0.22, 1.0),
     "pupil": (0.01, 0.01, 0.012, 1.0),
@@ -88,5 +89,5 @@ def _material(kind: str) -> bpy.types.Material:
         material.diffuse_color = _COLORS[kind]
         bsdf = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
         bsdf.inputs["Base Color"].default_value = _COLORS[kind]
-        bsdf.inputs["Roughness"].default_value = 0.5 if kind == "skin" else 0.2
+        bsdf.inputs["Roughness"].default_value = SKIN_LOOK.roughness if kind == "skin" else 0.2
     return material
