@@ -42,7 +42,7 @@ class Picture(click.Path):
         Any
             The `Path`.
         """
-        path = Path(super().convert(value, param, ctx))
+        path = Path(str(super().convert(value, param, ctx)))
         if path.suffix.lower() not in self.suffixes:
             *first, last = self.suffixes
             known = f"{', '.join(first)} or {last}" if first else last
