@@ -49,4 +49,5 @@ def test_a_kind_of_file_that_is_not_known_is_refused_with_those_that_are(
     assert result.exit_code in (1, 2), result.output
     assert set(known) <= set(re.findall(r"\.\w+", result.stderr)), result.stderr
     assert "Lappet failed" not in result.stderr
+    assert result.stderr.splitlines()[0].strip()  # no line of a bar that nobody sees
     assert not list(tmp_path.iterdir())
