@@ -110,8 +110,8 @@ def _framed(scene: bpy.types.Scene, manifest: Manifest) -> tuple[SurgicalField, 
     spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
     body = scenery_points(scene)
     field = field_on_body(source, spread, bool(body))
-    seen = [source.positions(source.epoch_at(t), t) for t in spread]
-    lowest = min(float((points @ field.normal).min()) for points in (*seen, *body))
+    solved = [source.positions(source.epoch_at(t), t).astype(np.float64) for t in spread]
+    lowest = min(float((points @ field.normal).min()) for points in (*solved, *body))
     first = source.epoch_at(times[0])
     skin = source.positions(first, times[0])[np.unique(first.triangles[first.origin == SKIN])]
     return field, lowest, skin
