@@ -283,6 +283,7 @@ def second_thoughts(blender: Driver) -> Steps:
     yield 1.5
     # Until the cuts are prepared anew, frames count as stale from the hook's first one on.
     yield from blender.wait_until(lambda: solving().manifest_of(scene) is not None, 60.0, "the cuts are prepared")
+    yield 2.0
     runs = solving().frame_runs(scene)
     found = [(run.state, run.first, run.last) for run in runs]
     blender.expect(found == [("solved", 1, 8), ("stale", 9, 40)], f"later frames are stale: {runs}")
