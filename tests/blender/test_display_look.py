@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 
 from lappet.core.problem_code import ProblemCode
 from lappet.drawing.quantity_scale import ramp_linear
+from lappet.procedure import Scenery
 from lappet_blender.display import skin_display
 from lappet_blender.display.color_scale import highest_of
 from lappet_blender.display.display_collection import ROLE, find_collection, find_object
 from lappet_blender.display.frame_all import off_stage
 from lappet_blender.display.render_still import another_frame
-from lappet_blender.look.skin_material import FULL_SCALE, SKIN
+from lappet_blender.look.skin_material import FULL_SCALE, SKIN, skin_material
 from lappet_blender.look.solid_texture import add_tile
+from lappet_blender.model.scenery_values import make_scenery
 from refusals import refusal_code
 from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved
+from small_procedure import small_procedure
 
 __all__ = ["solved"]  # a fixture
 UNITS = 0.1
@@ -355,6 +358,50 @@ def test_an_oblique_stage_is_seen_so_steeply_that_the_patch_fills_the_picture(sh
     for (x, y, _), (next_x, next_y, _) in zip(seen, [*seen[1:], seen[0]], strict=True):
         for corner_x, corner_y in ((0, 0), (0, 1), (1, 0), (1, 1)):
             assert (next_x - x) * (corner_y - y) > (next_y - y) * (corner_x - x)
+
+
+def test_where_a_body_is_shown_the_stage_holds_enough_of_it_and_its_paper_lies_below(shown: bpy.types.Scene) -> None:
+    """As plates do: of a wound alone nobody knows where on a face it is."""
+    bpy.ops.lappet.set_stage(engine="KEEP", view="TOP", width=1600, height=1200)
+    alone = np.array(skin_in_picture(shown))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=10.0, location=(0.0, 0.0, -12.0))
+    body = bpy.context.object
+    body["lappet_scenery"] = "skin"
+    bpy.ops.lappet.set_stage(engine="KEEP", view="TOP", width=1600, height=1200)
+    around = np.array(skin_in_picture(shown))
+    assert np.ptp(alone[:, 0]) > 1.0  # the patch's rim is beyond the picture
+    assert around.min() > 0.0
+    assert around.max() < 1.0
+    paper = shown.objects["Backdrop"].matrix_world.translation.z
+    assert paper < min((body.matrix_world @ vertex.co).z for vertex in body.data.vertices)
+    body.hide_render = True
+    bpy.ops.lappet.set_stage(engine="KEEP", view="TOP", width=1600, height=1200)
+    np.testing.assert_allclose(skin_in_picture(shown), alone, atol=1e-5)
+
+
+def test_the_skin_of_the_body_around_has_the_color_of_the_tissues_own(scene: bpy.types.Scene) -> None:
+    """Or the cut-out shows as a disk on a face."""
+    square = np.array([(0.0, 0.0, 0.0), (9.0, 0.0, 0.0), (9.0, 9.0, 0.0)])
+    around = Scenery("Around", square, np.array([3]), np.array([0, 1, 2]), "skin")
+    (made,) = make_scenery(scene, scene.collection, replace(small_procedure(), scenery=(around,)))
+
+    def shader(material: bpy.types.Material) -> bpy.types.ShaderNode:
+        return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+    own, other = shader(skin_material("plain", 0.1)), shader(made.data.materials[0])
+    mottle = own.inputs["Base Color"].links[0].from_node.color_ramp.elements
+    between = np.array([element.color[:3] for element in mottle])
+    color = np.array(other.inputs["Base Color"].default_value[:3])
+    assert (between.min(axis=0) < color).all()
+    assert (color < between.max(axis=0)).all()
+    assert other.inputs["Roughness"].default_value == own.inputs["Roughness"].default_value
+
+
+def skin_in_picture(scene: bpy.types.Scene) -> list[tuple[float, float]]:
+    """Where in the camera's picture, 0 to 1, the corners of the tissue's box are."""
+    tissue = scene.lappet.tissue.object
+    seen = [world_to_camera_view(scene, scene.camera, tissue.matrix_world @ Vector(each)) for each in tissue.bound_box]
+    return [(each.x, each.y) for each in seen]
 
 
 def test_a_stage_that_is_removed_leaves_no_nodes(shown: bpy.types.Scene) -> None:

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from event_patch import patch_scene
+from event_patch import co, patch_scene
+from lappet.drawing.framing import NEARER, WIDEST
 from lappet.procedure import Plate, PlateAnnotation, PlatePanel
 from lappet_blender.model.plate_names import active_plate
 from lappet_blender.model.plate_values import keep_plates
 from lappet_blender.plates.annotation_tools import offset_under
-from lappet_blender.plates.panel_view import panel_size, pixels_per_mm
+from lappet_blender.plates.panel_view import panel_size, panel_view, pixels_per_mm
 from lappet_blender.plates.preview_marks import PreviewMarks, PreviewPage, preview_marks
 from lappet_blender.tools.shown_surface import shown_surface
 
@@ -88,6 +89,27 @@ def test_only_what_stands_on_the_panel_and_has_its_tissue_is_shown(scene: bpy.ty
     )
     assert [text.text for text in found.texts] == ["here"]
     assert any(np.allclose(line, [[0.0, 0.0], [40.0, 0.0]], atol=1e-4) for line in found.lines)
+
+
+def test_where_a_body_is_shown_a_panels_camera_holds_as_much_around_the_wound_as_the_plate(
+    scene: bpy.types.Scene,
+) -> None:
+    patch_scene(scene, (60.0, 60.0, TOP), 2, resolution=5.0)
+    bpy.ops.lappet.incision_add(points=co([(-6.0, 0.0, TOP), (6.0, 0.0, TOP)]))
+    keep_plates(scene, (Plate("mine", panels=(PlatePanel("p", "plan"),)),))
+    plate = active_plate(scene)
+
+    def across() -> float:
+        surface = shown_surface(scene)
+        assert surface is not None
+        return panel_view(scene, plate, plate.panels[0], surface).across
+
+    alone = across()
+    bpy.ops.mesh.primitive_cube_add(size=100.0)
+    bpy.context.object["lappet_scenery"] = "skin"
+    bpy.context.view_layer.update()
+    around = float(np.hypot(60.0, 60.0)) / 12.0  # how far the tissue reaches, in lengths of the wound
+    assert across() == pytest.approx(alone * min(around, WIDEST) ** NEARER, rel=0.02)
 
 
 def test_paper_fills_the_view_as_far_as_the_panel_goes(scene: bpy.types.Scene) -> None:

@@ -16,6 +16,7 @@ import lappet_blender
 from lappet.designs.library import DESIGNS
 from lappet.plates.plate_words import LANGUAGES as CATALOGUE
 from lappet.procedure.threads import THREADS
+from lappet_blender.interface.problem_repairs import REPAIRS
 from lappet_blender.interface.sidebar_panel import SidebarPanel
 from lappet_blender.translation.dictionary import CONTEXTS, LANGUAGES, blender_dictionary, messages
 
@@ -94,6 +95,17 @@ def test_every_flap_and_what_it_asks_for_is_translated(addon: None) -> None:
     assert made["fr_FR"]["Operator", "Edit Limberg flap"] == "Modifier: Lambeau de Limberg"
     for texts in made.values():
         assert {texts["Operator", title] for title in titles if "plasty" not in title}.isdisjoint(titles)
+
+
+def test_every_text_that_is_given_to_a_button_or_a_field_is_translated() -> None:
+    """And what the buttons say that repair a problem."""
+    said = {label for _, label, _ in REPAIRS}
+    for file in ADDON.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            for word in node.keywords if isinstance(node, ast.Call) else ():
+                if word.arg in ("text", "heading", "placeholder") and isinstance(word.value, ast.Constant):
+                    said |= {word.value.value} if isinstance(word.value.value, str) else set()
+    assert said - set(messages()) - {"", "lappet"} == set()  # the command is called so everywhere
 
 
 def test_nothing_is_translated_that_the_interface_does_not_say_any_more(addon: None) -> None:

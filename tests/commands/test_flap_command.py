@@ -108,7 +108,7 @@ def test_the_plan_of_a_design_is_drawn_with_the_corners_that_meet(tmp_path: Path
     assert result.exit_code == 0, result.output
     assert "In the end meet: " in result.stdout
     assert (tmp_path / "plan.svg").read_text(encoding="utf-8").startswith("<?xml")
-    assert "plan.txt is no .svg, .pdf or .png file." in run("show", "limberg", "--picture", "plan.txt").output
+    assert "plan.txt is no .svg, .pdf or .png file; choose" in run("show", "limberg", "--picture", "plan.txt").output
 
 
 def test_a_flap_is_as_large_as_a_drawn_defect_and_takes_its_place(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.export import blender_file
 from lappet.export.export_request import ExportRequest
 from lappet.export.exported_cache import missing_frames
-from lappet.export.formats import EXPORTERS, export
+from lappet.export.formats import EXPORTERS, FILMS, export
 
 SUFFIXES = [each.suffix for each in EXPORTERS]
 
@@ -93,7 +93,7 @@ def test_a_file_in_place_of_the_folder_or_a_folder_in_place_of_the_file_is_refus
         assert [each.code for each in refused.value.problems] == [code]
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
+@pytest.mark.parametrize("suffix", FILMS)
 def test_a_film_is_refused_with_the_commands_that_make_one(suffix: str, tmp_path: Path) -> None:
     with pytest.raises(RefusedError) as refusal:
         export(ExportRequest((tmp_path / "no.usdc",), tmp_path / f"x{suffix}"))

@@ -116,7 +116,12 @@ def one_of_each(blender: Driver, library: str) -> Steps:
         title = next((each.title for each in items if (each.kind, each.name) == (kind, name)), name)
         with blender.override():
             bpy.ops.wm.append(directory=f"{library}/{file}/Object/", filename=title)
-        yield 1.0
+        yield 0.5
+        for _ in range(60):  # a busy machine takes its time
+            if not any("lappet_asset" in each for each in blender.window.scene.objects):
+                break
+            yield 0.25
+        yield 0.5
 
     scene.lappet.active_event = next(i for i, each in enumerate(events) if each.kind in ("SUTURE", "SUTURE_RUN"))
     sewn = events[scene.lappet.active_event].name

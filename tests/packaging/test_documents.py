@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from dataclasses import fields
 from pathlib import Path
 
@@ -81,3 +83,17 @@ def test_the_protocol_describes_every_setting_and_every_parameter_of_a_material(
     for start, told in (("`settings`:", SolverSettings), ("`materials`:", MaterialParameters)):
         paragraph = text.partition(f"\n{start}")[2].partition("\n\n")[0]
         assert [item.name for item in fields(told) if f"`{item.name}`" not in paragraph] in ([], ["materials"])
+
+
+def test_what_the_pages_about_blender_say_to_press_is_there() -> None:
+    """Every label of the extension is in the table of its translations; what else is pressed is a key."""
+    table = tomllib.loads((ROOT / "addon/lappet_blender/translation/labels.toml").read_text(encoding="utf-8"))
+    labels = set(table)
+    known = [re.compile(re.sub(r"\\{\w+\\}", ".+", re.escape(label))) for label in labels]
+    keys = re.compile(r"((Ctrl|Alt|Shift)-)*(Numpad \d|F\d+|Home|Return|Esc|Tab|Backspace|[A-Z])")
+    missing = []
+    for page in sorted((ROOT / "docs").glob("blender_*.md")):
+        for name in re.findall(r"[Pp]ress \*+([^*]+)\*", page.read_text(encoding="utf-8")):
+            if not keys.fullmatch(name) and not any(each.fullmatch(name) for each in known):
+                missing.append(f"{page.name}: {name}")
+    assert missing == []

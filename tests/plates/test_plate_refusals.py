@@ -60,6 +60,7 @@ def test_formats_and_folders_that_are_not_there_are_refused(tmp_path: Path) -> N
 def test_a_frame_that_is_not_in_the_cache_is_refused(cache: SkinCache) -> None:
     with refuses(ProblemCode.PLATE_CACHE) as problems:
         chosen_steps(cache, (9999.0,))
+    assert str(problems[0]).endswith("choose one of those or solve more of the procedure.")  # and nothing besides
     assert problems[0].value == "9999.0"
 
 

@@ -14,8 +14,8 @@ from lappet.core.problem_code import ProblemCode
 from lappet.drawing.framing import (
     WHOLE_FILL,
     SurgicalField,
+    field_on_body,
     half_angles,
-    surgical_field,
     viewpoint,
     viewpoint_on_skin,
 )
@@ -23,6 +23,7 @@ from lappet.drawing.skin_fields import SKIN
 
 from ..figure.figure_scene import BACKDROP_REACH, Studio, add_backdrop, add_camera, add_lights, set_render, set_size
 from ..look.skin_material import backdrop_material
+from ..model.scenery_values import scenery_points
 from ..model.units import mm_per_unit
 from ..solving import frames
 from . import skin_display
@@ -98,14 +99,19 @@ def _empty_stage(scene: bpy.types.Scene) -> bpy.types.Collection:
 
 
 def _framed(scene: bpy.types.Scene, manifest: Manifest) -> tuple[SurgicalField, float, NDArray[np.float64]]:
-    """The field of a manifest over some of its frames, the lowest point along its normal and the first skin, in mm."""
+    """The field of a manifest over some of its frames, the lowest point along its normal and the first skin, in mm.
+
+    Where the body around the tissue is shown, the field has enough of it to know the place, as plates have.
+    """
     shown = frames.shown_at(scene, scene.frame_current)
     assert shown is not None
     source = skin_display.decorations_of(scene, shown).source
     times = [float(f.time) for f in manifest.frames]
     spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
-    field = surgical_field(source, spread)
-    lowest = min(float((source.positions(source.epoch_at(t), t) @ field.normal).min()) for t in spread)
+    body = scenery_points(scene)
+    field = field_on_body(source, spread, bool(body))
+    solved = [source.positions(source.epoch_at(t), t).astype(np.float64) for t in spread]
+    lowest = min(float((points @ field.normal).min()) for points in (*solved, *body))
     first = source.epoch_at(times[0])
     skin = source.positions(first, times[0])[np.unique(first.triangles[first.origin == SKIN])]
     return field, lowest, skin

@@ -27,10 +27,10 @@ from lappet.drawing.framing import (
     VIEWS,
     SurgicalField,
     Viewpoint,
+    field_on_body,
     half_angles,
     surgical_field,
     viewpoint_on_skin,
-    widened,
 )
 from lappet.drawing.hook_steel import HookSteel
 from lappet.drawing.section_plane import SectionPlane
@@ -218,7 +218,7 @@ def draw_figures(
     steps = _steps(cache, request, surgical_field(cache, stills).normal, len(hidden)) if request.filmstrip else []
     movie = cache.frames if request.animation != "none" else ()
     shown = tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]}))
-    field = _field(cache, shown)
+    field = field_on_body(cache, shown, bool(cache.scenery))
     _make_folder(request.out)
     plate = Plate(cache, field, request, shown, hidden)
     total = len(stills) + len(steps) + bool(steps) + len(movie) + (request.animation == "mp4")
@@ -250,15 +250,6 @@ def draw_figures(
     if movie:
         _draw_animation(plate, request, movie, cache.fps, done, note)
     return written
-
-
-def _field(cache: SkinCache, frames: tuple[float, ...]) -> SurgicalField:
-    """The field of a picture; on a body that is shown, with what is around it."""
-    field = surgical_field(cache, frames)
-    if not cache.scenery:
-        return field
-    epoch = cache.epochs[0]
-    return widened(field, cache.rest(epoch)[np.unique(epoch.triangles)].astype(np.float64))
 
 
 def _draw_animation(

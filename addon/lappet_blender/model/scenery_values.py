@@ -6,7 +6,10 @@ An object is scenery where it has the property `lappet_scenery`, which says of w
 from __future__ import annotations
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
+from lappet.drawing.surface_look import SKIN_LOOK
 from lappet.procedure import SCENERY_KINDS, Procedure, Scenery
 
 from .mesh_objects import mesh_object
@@ -15,7 +18,7 @@ from .tissue_values import identifier
 
 PROPERTY = "lappet_scenery"
 _COLORS = {
-    "skin": (0.76, 0.50, 0.38, 1.0),
+    "skin": (*SKIN_LOOK.color, 1.0),  # that of the tissue among it
     "eye": (0.86, 0.85, 0.83, 1.0),
     "iris": (0.13, 0.19, 0.22, 1.0),
     "pupil": (0.01, 0.01, 0.012, 1.0),
@@ -69,6 +72,12 @@ def scenery_values(scene: bpy.types.Scene) -> tuple[Scenery, ...]:
     return tuple(found)
 
 
+def scenery_points(scene: bpy.types.Scene) -> list[NDArray[np.float64]]:
+    """The vertices in mm, shape (n, 3), of each object of the scenery that a render shows."""
+    shown = [obj for obj in scene.objects if obj.type == "MESH" and PROPERTY in obj and not obj.hide_render]
+    return [points for obj in shown if len(points := np.asarray(mesh_values(scene, obj).points, np.float64))]
+
+
 def _material(kind: str) -> bpy.types.Material:
     """The material of a kind of scenery, made once for a file."""
     name = f"Lappet {kind}"
@@ -80,5 +89,5 @@ def _material(kind: str) -> bpy.types.Material:
         material.diffuse_color = _COLORS[kind]
         bsdf = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
         bsdf.inputs["Base Color"].default_value = _COLORS[kind]
-        bsdf.inputs["Roughness"].default_value = 0.5 if kind == "skin" else 0.2
+        bsdf.inputs["Roughness"].default_value = SKIN_LOOK.roughness if kind == "skin" else 0.2
     return material

@@ -14,6 +14,7 @@ from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.export.formats import EXPORTERS, check_options, exporter_of
 from lappet.export.simplify_target import SimplifyTarget
+from lappet.plates.film_file import SUFFIXES as FILM_SUFFIXES
 
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..model.plate_properties import STYLES
@@ -21,7 +22,6 @@ from .output_jobs import begin_output, cancel_output, last_job, state_line
 from .plate_edits import chosen_plate
 
 PLATE_SUFFIXES = (".svg", ".pdf", ".png", ".tif", ".tiff")
-FILM_SUFFIXES = (".mp4", ".webm", ".gif", ".webp", ".png")
 _WAIT = 3600.0  # seconds that a script waits at most
 _SIZES = (
     ("1920x1080", "1920 × 1080", "Full HD"),

@@ -10,11 +10,12 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from lappet.drawing.framing import SurgicalField, field_around, half_angles, viewpoint, viewpoint_along
+from lappet.drawing.framing import SurgicalField, field_around, half_angles, viewpoint, viewpoint_along, widened
 from lappet.plates.panel_camera import own_direction
 
 from ..model.decimals import decimals
 from ..model.plate_values import panel_value
+from ..model.scenery_values import scenery_points
 from ..model.units import mm_per_unit, to_world
 from ..tools.handles import event_points
 from ..tools.shown_surface import ShownSurface
@@ -106,4 +107,7 @@ def _field(scene: bpy.types.Scene, surface: ShownSurface) -> SurgicalField:
     outward = surface.normals(located.triangle).sum(axis=0)
     # Of a closed mesh all faces may be skin, those of the underside too.
     near_side = surface.normals(surface.rest.skin) @ outward > 0.0
-    return field_around(surface.carry(located) * surface.mm, surface.positions * surface.mm, skin[near_side])
+    field = field_around(surface.carry(located) * surface.mm, surface.positions * surface.mm, skin[near_side])
+    if not scenery_points(scene):
+        return field
+    return widened(field, surface.rest.points[np.unique(surface.rest.triangles)])  # as the plate itself is drawn

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lappet.commands.extras import extra
-from lappet.commands.parameters import FILE
+from lappet.commands.parameters import FILE, Picture
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("caches", type=FILE, nargs=-1, required=True)
-@click.option("-o", "--output", "picture", type=FILE, help="A figure of it (.png, .svg or .pdf).")
+@click.option(
+    "-o", "--output", "picture", type=Picture(".png", ".svg", ".pdf"), help="A figure of it (.png, .svg or .pdf)."
+)
 @click.option("--csv", "table", type=FILE, help="The table as CSV.")
 @click.option(
     "--plate", type=FILE, help="A plate of it: each operation planned and at its end (.svg, .pdf, .png, .tif)."

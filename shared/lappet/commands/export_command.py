@@ -14,7 +14,6 @@ from lappet.commands.refusals import sentences
 from lappet.core.problem import Problem
 from lappet.foreign.limits import ReadLimits
 
-_FILMS = (".mp4", ".webm", ".gif")
 _LANGUAGES = ("en", "de", "fr", "es", "zh")
 
 
@@ -65,10 +64,12 @@ def export(
     .stl, .obj, .ply, .3mf: the tissue's surface in one frame, in mm.
     .csv: forces, landmarks and lengths, a row for each frame.
     .abc, .fbx: written by Blender, where bpy is installed.
-    .mp4, .webm, .gif: a film, as `lappet film` draws it with its defaults.
+    .mp4, .webm, .gif, .webp: a film, as `lappet film` draws it with its defaults.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    if target.suffix.lower() in _FILMS:
+    from lappet.export.formats import FILMS
+
+    if target.suffix.lower() in FILMS:
         _export_film(context, caches, target, given, limits)
         return
     with sentences(context):

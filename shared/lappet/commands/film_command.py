@@ -81,7 +81,8 @@ def draw_with_progress(cache: Path, film: Path, options: Mapping[str, Any], limi
 
         from lappet.plates.draw_film import FilmOptions, draw_film
 
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("Drawing", total=None)
         draw_film(
             *(cache, film, FilmOptions(**options), limits),

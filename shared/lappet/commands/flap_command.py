@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from lappet.commands.known_names import DESIGN, NamingCommand
-from lappet.commands.parameters import FILE
+from lappet.commands.parameters import FILE, Picture
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.foreign.limits import ReadLimits
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from lappet.procedure import FlapLines
-
-_PICTURES = (".svg", ".pdf", ".png")
 
 
 class Measure(click.ParamType):
@@ -69,32 +67,9 @@ def list_designs(context: click.Context) -> None:
             click.echo(f"{design.name:<{wide}}  {design.indication}")
 
 
-def drawable(_context: click.Context, _parameter: click.Parameter, path: Path | None) -> Path | None:
-    """Check that a picture is of a kind that can be drawn.
-
-    Parameters
-    ----------
-    path
-        The picture, or None.
-
-    Returns
-    -------
-    Path or None
-        The picture.
-
-    Raises
-    ------
-    BadParameter
-        If it is of another kind.
-    """
-    if path is not None and path.suffix.lower() not in _PICTURES:
-        raise click.BadParameter(f"{path.name} is no {', '.join(_PICTURES[:-1])} or {_PICTURES[-1]} file.")
-    return path
-
-
 @flap.command("show", cls=NamingCommand)
 @click.argument("name", type=DESIGN)
-@click.option("--picture", type=FILE, callback=drawable, help="Draw its plan, to scale (.svg, .pdf or .png).")
+@click.option("--picture", type=Picture(".svg", ".pdf", ".png"), help="Draw its plan, to scale (.svg, .pdf or .png).")
 @click.option(
     "--set",
     "measures",

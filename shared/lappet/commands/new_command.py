@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from lappet.commands.gravity_options import gravity_options, with_gravity
-from lappet.commands.parameters import FILE
+from lappet.commands.parameters import FILE, Picture
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
@@ -34,7 +34,7 @@ UNITS = ("mm", "cm", "dm", "m", "in")  # of `lappet.tissue.mesh_file`, which `--
     default="grid",
     help="Lay a sheet's skin out for the printed grid, or keep the mesh's own texture coordinates.",
 )
-@click.option("--picture", type=FILE, help="Draw the mesh with the part that was taken to a PNG file.")
+@click.option("--picture", type=Picture(".png"), help="Draw the mesh with the part that was taken to a PNG file.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @reading_options

@@ -11,6 +11,45 @@ import click
 FILE = click.Path(path_type=Path)
 
 
+class Picture(click.Path):
+    """A picture to be written, of one of some kinds; another is refused before any work, with all that there are."""
+
+    def __init__(self, *suffixes: str) -> None:
+        """Take what is allowed.
+
+        Parameters
+        ----------
+        *suffixes
+            The kinds, such as ".png".
+        """
+        super().__init__(path_type=Path)
+        self.suffixes = suffixes
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the path.
+
+        Parameters
+        ----------
+        value
+            What the user typed.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The `Path`.
+        """
+        path = Path(str(super().convert(value, param, ctx)))
+        if path.suffix.lower() not in self.suffixes:
+            *first, last = self.suffixes
+            known = f"{', '.join(first)} or {last}" if first else last
+            self.fail(f"{path.name} is no {known} file; choose a name that ends in {known}.", param, ctx)
+        return path
+
+
 class FrameRange(click.ParamType):
     """A range of integer time codes, both included: `A:B`, `A:`, `:B` or `A`."""
 

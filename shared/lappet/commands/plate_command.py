@@ -11,6 +11,8 @@ from lappet.commands.extras import extra
 from lappet.commands.parameters import FILE, FrameList, PlaneNumbers
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import ReadLimits
 
 _STYLES = ("ink", "schematic", "halftone", "wash", "painted")
@@ -148,8 +150,7 @@ def plate(
     if kept and template:
         raise click.UsageError("Give --plate or --template, not both.")
     with sentences(context):
-        if template and picture.suffix.lower() in _PROCEDURES:
-            _add_template(caches, picture, template, limits)
+        if template and _added_template(caches, picture, template, limits):
             return
         with extra("A plate", "plates"):
             from lappet.plates.draw_plate import PlateOptions, draw_plate
@@ -182,8 +183,14 @@ def plate(
             click.echo(draw_movie(caches[0], movie, drawn.options, limits))
 
 
-def _add_template(files: tuple[Path, ...], output: Path, template: str, limits: ReadLimits) -> None:
-    """Make a template a plate of a procedure."""
+def _added_template(files: tuple[Path, ...], output: Path, template: str, limits: ReadLimits) -> bool:
+    """Make a template a plate of a procedure; False where the output is a picture, which is to be drawn."""
+    if output.suffix.lower() not in _PROCEDURES:
+        with extra("A plate", "plates"):
+            from lappet.plates.plate_files import SUFFIXES
+        if output.suffix.lower() in SUFFIXES:
+            return False
+        raise refused(ProblemCode.PLATE_SUFFIX, output, output.suffix, known=", ".join((*SUFFIXES, *_PROCEDURES)))
     if len(files) != 1:
         raise click.UsageError("A template becomes a plate of one procedure; give one file.")
     from dataclasses import replace
@@ -196,3 +203,4 @@ def _add_template(files: tuple[Path, ...], output: Path, template: str, limits: 
     write_procedure(replace(given, plates=(*given.plates, plate)), output)
     panels = ", ".join(panel.name for panel in plate.panels)
     click.echo(f"Written: {output}, with the plate {plate.name!r} ({panels})")
+    return True

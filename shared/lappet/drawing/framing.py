@@ -140,6 +140,35 @@ def surgical_field(cache: SkinSource, frames: tuple[float, ...]) -> SurgicalFiel
     return field_around(np.concatenate(found), points, epoch.triangles[epoch.origin == SKIN], everything)
 
 
+def field_on_body(cache: SkinSource, frames: tuple[float, ...], body: bool) -> SurgicalField:
+    """Find the field of a picture: the surgical field, and where a body is shown enough of it to know the place.
+
+    Parameters
+    ----------
+    cache
+        The solved procedure.
+    frames
+        Time codes, at least one.
+    body
+        Whether a body is shown around the tissue.
+
+    Returns
+    -------
+    SurgicalField
+        The field.
+
+    Raises
+    ------
+    FigureError
+        If one of the frames is not there.
+    """
+    field = surgical_field(cache, frames)
+    if not body:
+        return field
+    epoch = cache.epochs[0]
+    return widened(field, cache.rest(epoch)[np.unique(epoch.triangles)].astype(np.float64))
+
+
 def widened(field: SurgicalField, tissue: NDArray[np.float64]) -> SurgicalField:
     """Widen a field on a body: as much around it as the tissue reaches, with the body's top up.
 

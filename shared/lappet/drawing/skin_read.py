@@ -54,14 +54,15 @@ class SkinCache(SkinSource):
         meshes = [p for p in skin.GetChildren() if p.IsA(usd.UsdGeom.Mesh)] if skin else []
         if not meshes:
             raise FigureError(
-                f"{path} holds no skin (/Procedure/Skin/epoch_00); it is not a cache made by lappet solve."
+                f"{path.name} holds no skin (/Procedure/Skin/epoch_00), so it is no cache of a solved procedure; solve "
+                "it with lappet solve and give what that writes."
             )
         self._epochs = tuple(e for e in (self._read_epoch(prim) for prim in meshes) if e.frames)
         self._rest: dict[str, NDArray[np.float32]] = {}
         self._at_rest: set[str] = set()  # epochs whose rest the cache holds
         self._frames = tuple(sorted({t for epoch in self.epochs for t in epoch.frames}))
         if not self.frames:
-            raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
+            raise FigureError(f"{path.name} holds a skin without frames; solve the procedure again (lappet solve).")
         self._events = self._read_events()
         self.scenery: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm)
         self.bones: tuple[SceneryMesh, ...] = read_scenery(self._stage, self._mm, "/Procedure/Bone")
@@ -411,7 +412,9 @@ def _opened(path: Path) -> Any:
     try:
         return usd.Usd.Stage.Open(str(path))
     except usd.Tf.ErrorException as error:
-        raise FigureError(f"{path} is not a USD file that can be read; write it again with lappet solve.") from error
+        raise FigureError(
+            f"{path.name} is not a USD file that can be read; write it again with lappet solve."
+        ) from error
 
 
 def _kinds(vessels: Any) -> str:

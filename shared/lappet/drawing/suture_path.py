@@ -86,6 +86,29 @@ def stitch_path(
     return StitchPath(_entering(over, normals, scale), (coil, *tails))
 
 
+def risen(path: StitchPath, rises: NDArray[np.float64], up: NDArray[np.float64]) -> StitchPath:
+    """Raise a stitch where the skin bulges between its bites; what enters the skin stays where it is.
+
+    Parameters
+    ----------
+    path
+        A tied stitch.
+    rises
+        How far the points of its thread rise, but for the first and the last, in mm, shape (k - 2,).
+    up
+        Unit vector in which they do, shape (3,).
+
+    Returns
+    -------
+    StitchPath
+        The stitch; its knot rises as the thread does there.
+    """
+    thread = path.thread.copy()
+    thread[1:-1] += rises[:, None] * up
+    at_knot = float(np.interp(KNOT_AT, _ALONG[:, 0], rises))
+    return StitchPath(thread, tuple(line + at_knot * up for line in path.knot))
+
+
 def _entering(over: NDArray[np.float64], normals: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
     """The thread over the skin, carried on into the skin at both bites."""
     return np.vstack([over[0] - BURIED * scale * normals[0], over, over[-1] - BURIED * scale * normals[1]])

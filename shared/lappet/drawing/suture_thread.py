@@ -25,11 +25,12 @@ from lappet.drawing.suture_bites import (
     find_bites,
     find_lip,
 )
-from lappet.drawing.suture_path import THREAD_RADIUS, stitch_path
-from lappet.drawing.thread_on_skin import laid_on_skin
+from lappet.drawing.suture_path import THREAD_RADIUS, StitchPath, risen, stitch_path
+from lappet.drawing.thread_on_skin import laid_on_skin, rises_over_skin
 
 # Stitches stand no closer: two sutures that hold one corner are its one corner stitch, and a dense row is thinned.
 NEAREST = 1.7 * BITE
+_BESIDE = 0.5  # mm beside the line between the bites: so far skin counts on which a stitch lies
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +45,14 @@ class Stitch:
         Where it crosses the closed wound in mm, shape (3,).
     turned
         Whether the first bite belongs to the suture's second end.
+    skin
+        Vertex indices of the skin around it, shape (k, 3): what it lies on.
     """
 
     bites: tuple[Bite, Bite]
     crossing: NDArray[np.float64]
     turned: bool
+    skin: NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,12 +246,40 @@ class SutureThread:
         normals = self._searches.normals(epoch, len(points)).at(points, at.ravel()).reshape(-1, 3, 3)
         up = np.einsum("kc,kci->ki", np.array([bite.weights for bite in pairs]), normals)
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
+        paths: dict[int, StitchPath] = {}
         for k, (index, stitch) in enumerate(shown.items()):
             ends = sutures.ends[index][:: -1 if stitch.turned else 1].astype(np.float64)
             tied = bool(np.linalg.norm(ends[1] - ends[0]) <= CLOSED_GAP)
-            path = stitch_path(bites[k], ends, up[2 * k : 2 * k + 2], tied, self._scale)
+            paths[index] = stitch_path(bites[k], ends, up[2 * k : 2 * k + 2], tied, self._scale)
+        between = dict(zip(shown, up[::2] + up[1::2], strict=True))
+        paths |= self._risen({i: path for i, path in paths.items() if path.knot}, shown, between, points)
+        for index, path in paths.items():
             lines.update(((index, part), line) for part, line in enumerate((path.thread, *path.knot)))
         return lines
+
+    def _risen(
+        self,
+        paths: Mapping[int, StitchPath],
+        stitches: Mapping[int, Stitch],
+        between: Mapping[int, NDArray[np.float64]],
+        points: NDArray[np.float32],
+    ) -> dict[int, StitchPath]:
+        """Tied stitches that lie on the skin where it bulges between their bites, all at once.
+
+        between: the sum of the skin's unit normals at the bites of each, shape (3,).
+        """
+        if not paths:
+            return {}
+        most = max(len(stitches[i].skin) for i in paths)
+        skin = np.zeros((len(paths), most, 3), np.int64)  # what is left over has no area
+        for k, i in enumerate(paths):
+            skin[k, : len(stitches[i].skin)] = stitches[i].skin
+        ups = np.array([between[i] for i in paths])
+        ups /= np.maximum(np.linalg.norm(ups, axis=1, keepdims=True), 1e-9)
+        threads = np.array([path.thread[1:-1] for path in paths.values()])
+        corners = points[skin].astype(np.float64)
+        rises = rises_over_skin(threads, corners, ups, THREAD_RADIUS * self._scale, BITE * self._scale)
+        return {i: risen(paths[i], rise, up) for i, rise, up in zip(paths, rises, ups, strict=True)}
 
     def _over_skin(
         self, time: float, sliding: Mapping[int, NDArray[np.float64]]
@@ -319,4 +351,16 @@ class SutureThread:
         way = across[1].carried(work.closed) - across[0].carried(work.closed)
         turned = bool(way @ self._facing > 0.0)
         bites = (across[1], across[0]) if turned else across
-        return Stitch(bites, work.ends.astype(np.float64).mean(axis=0), turned)
+        skin = np.concatenate([lip.disk for lip in lips])
+        skin = skin[_below(work.closed[skin].astype(np.float64), carried(bites, work.closed), _BESIDE * self._scale)]
+        return Stitch(bites, work.ends.astype(np.float64).mean(axis=0), turned, skin)
+
+
+def _below(corners: NDArray[np.float64], ends: NDArray[np.float64], beside: float) -> NDArray[np.bool_]:
+    """Which triangles (k, 3, 3) come nearer than a distance (mm) to the line between two points (2, 3)."""
+    middle = corners.mean(axis=1)
+    size = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    way = ends[1] - ends[0]
+    share = np.clip((middle - ends[0]) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
+    away: NDArray[np.float64] = np.linalg.norm(middle - ends[0] - share[:, None] * way, axis=1)
+    return away < size + beside

@@ -1,6 +1,7 @@
-"""The course of a thread with many bites: in the tissue straight from bite to bite, outside over the skin.
+"""The course of a thread over the skin, which bulges between two bites.
 
-The solver's thread runs straight everywhere, through the skin where that bulges between two bites.
+A thread with many bites runs straight in the tissue from bite to bite, outside over the skin; the solver's runs
+straight everywhere, through the skin where that bulges.
 """
 
 from __future__ import annotations
@@ -59,22 +60,53 @@ def laid_on_skin(
     return np.concatenate(line)
 
 
+def rises_over_skin(
+    lines: NDArray[np.float64], corners: NDArray[np.float64], ups: NDArray[np.float64], lift: float, highest: float
+) -> NDArray[np.float64]:
+    """Find how far threads must rise to lie on the skin between their bites.
+
+    Parameters
+    ----------
+    lines
+        Points of each thread in mm, shape (s, n, 3).
+    corners
+        The triangles of skin below each in mm, shape (s, k, 3, 3); those without an area count for nothing.
+    ups
+        Unit vectors out of the skin, shape (s, 3).
+    lift
+        How high above the skin they lie, mm.
+    highest
+        The most they rise, mm: skin that stands higher is a fold that hangs over the thread.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        How far each point rises along `ups` in mm, shape (s, n), 0 or more.
+    """
+    rise = _heights(lines, corners, ups) + lift
+    return np.where((rise > 0.0) & (rise <= highest), rise, 0.0)
+
+
 def _heights(
     samples: NDArray[np.float64], corners: NDArray[np.float64], up: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """How far the highest triangle stands above each sample (s,) in a direction, mm; minus infinity where none does."""
-    along = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    along /= np.linalg.norm(along)
-    axes = np.stack([along, np.cross(up, along)], axis=1)
-    flat, at = corners @ axes, samples @ axes
-    a, b, c = flat[:, 0], flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
-    area = b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0]
+    """How far the highest triangle stands above each sample (…, s, 3) in a direction (…, 3), mm; else minus infinity.
+
+    corners: (…, k, 3, 3) mm; all may be of several threads at once, by the axes before.
+    """
+    along = np.cross(up, np.eye(3)[np.abs(up).argmin(axis=-1)])
+    along /= np.linalg.norm(along, axis=-1, keepdims=True)
+    axes = np.stack([along, np.cross(up, along)], axis=-1)
+    flat, at = corners @ axes[..., None, :, :], samples @ axes
+    a, b, c = flat[..., 0, :], flat[..., 1, :] - flat[..., 0, :], flat[..., 2, :] - flat[..., 0, :]
+    area = b[..., 0] * c[..., 1] - b[..., 1] * c[..., 0]
     facing = area > 1e-12  # those that face the other way are not seen from above
-    away = at[:, None] - a[facing]
-    b, c, area = b[facing], c[facing], area[facing]
-    v = (away[..., 0] * c[:, 1] - away[..., 1] * c[:, 0]) / area
-    w = (b[:, 0] * away[..., 1] - b[:, 1] * away[..., 0]) / area
-    inside = (v >= -1e-6) & (w >= -1e-6) & (v + w <= 1.0 + 1e-6)
-    z = corners[facing] @ up
-    height = z[:, 0] + v * (z[:, 1] - z[:, 0]) + w * (z[:, 2] - z[:, 0]) - (samples @ up)[:, None]
-    return np.where(inside, height, -np.inf).max(axis=1, initial=-np.inf)
+    share = 1.0 / np.where(facing, area, 1.0)
+    b, c = b * share[..., None], c * share[..., None]
+    away = at[..., :, None, :] - a[..., None, :, :]
+    v = away[..., 0] * c[..., None, :, 1] - away[..., 1] * c[..., None, :, 0]
+    w = b[..., None, :, 0] * away[..., 1] - b[..., None, :, 1] * away[..., 0]
+    inside = facing[..., None, :] & (v >= -1e-6) & (w >= -1e-6) & (v + w <= 1.0 + 1e-6)
+    z = (corners @ up[..., None, :, None])[..., None, :, :, 0]
+    height = z[..., 0] + v * (z[..., 1] - z[..., 0]) + w * (z[..., 2] - z[..., 0]) - (samples @ up[..., None])
+    return np.where(inside, height, -np.inf).max(axis=-1, initial=-np.inf)

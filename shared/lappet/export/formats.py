@@ -9,6 +9,7 @@ from pathlib import Path
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.export.export_request import Exporter, ExportFunction, ExportRequest
+from lappet.plates.film_file import SUFFIXES as FILM_SUFFIXES
 
 
 def _lesson() -> ExportFunction:
@@ -60,7 +61,6 @@ def _usdz() -> ExportFunction:
 
 
 _STILL = frozenset({"frames", "step", "every_frame", "simplify"})
-_FILMS = (".mp4", ".webm", ".gif")
 _LESSON = frozenset({"language", "title", "frames", "simplify", "max_size"})
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -107,6 +107,7 @@ EXPORTERS: tuple[Exporter, ...] = (
     Exporter(".abc", "Alembic, written by Blender", _by_blender, options=frozenset({"frames", "simplify"})),
     Exporter(".fbx", "FBX, written by Blender", _by_blender, options=frozenset({"frames", "simplify"})),
 )
+FILMS = tuple(each for each in FILM_SUFFIXES if each != ".png")  # in one file, as `lappet export` has them drawn
 
 
 def exporter_of(path: Path) -> Exporter:
@@ -131,10 +132,10 @@ def exporter_of(path: Path) -> Exporter:
     for exporter in EXPORTERS:
         if exporter.suffix == suffix:
             return exporter
-    if suffix in _FILMS:
+    if suffix in FILMS:
         raise refused(ProblemCode.EXPORT_FILM, path, path.suffix)
-    known = ", ".join(each.suffix for each in EXPORTERS)
-    raise refused(ProblemCode.EXPORT_SUFFIX, path, path.suffix, known=known)
+    known, films = (", ".join(each) for each in ([each.suffix for each in EXPORTERS], FILMS))
+    raise refused(ProblemCode.EXPORT_SUFFIX, path, path.suffix, known=known, films=films)
 
 
 def export(request: ExportRequest) -> list[Path]:
