@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.vectors import dot
+
 _SAMPLES = 1 << 21  # pairs of a triangle and a pixel at once
 
 
@@ -50,38 +52,49 @@ def rasterize(corners: NDArray[np.float64], size: tuple[int, int]) -> Raster:
     span = np.maximum(high - low + 1, 0)
     count = span.prod(axis=1)
     total = np.cumsum(count)
+    columns = np.ascontiguousarray(corners.transpose(1, 2, 0))  # corner, coordinate, triangle
     begin = 0
     while begin < len(count):
         done = int(total[begin - 1]) if begin else 0
         end = max(begin + 1, int(np.searchsorted(total, done + _SAMPLES, side="right")))
-        triangle = np.repeat(np.arange(begin, end), count[begin:end])
-        local = np.arange(len(triangle)) - np.repeat(total[begin:end] - count[begin:end] - done, count[begin:end])
-        x = low[triangle, 0] + local % np.maximum(span[triangle, 0], 1)
-        y = low[triangle, 1] + local // np.maximum(span[triangle, 0], 1)
-        inside, weights = _weights(flat[triangle], np.stack([x, y], axis=1) + 0.5)
-        triangle, pixel, weights = triangle[inside], (y * width + x)[inside], weights[inside]
-        away = np.einsum("ij,ij->i", weights, corners[triangle][:, :, 2])
-        order = np.lexsort((triangle, away, pixel))
+        part, pairs = slice(begin, end), count[begin:end]
+        local = np.arange(int(pairs.sum())) - np.repeat(total[part] - pairs - done, pairs)
+        down, along = np.divmod(local, np.repeat(np.maximum(span[part, 0], 1), pairs))
+        x, y = (np.repeat(low[part, axis], pairs) + each for axis, each in enumerate((along, down)))
+        inside, weights = _weights(columns[:, :2, part], pairs, x + 0.5, y + 0.5)
+        triangle, pixel = np.repeat(np.arange(begin, end), pairs)[inside], (y * width + x)[inside]
+        away = dot(weights, columns[:, 2, triangle])
+        order = np.lexsort((away, pixel))  # of triangles as far the first, for that is their order
         pixels, first = np.unique(pixel[order], return_index=True)
         chosen = order[first]
         nearer = away[chosen] < nearest[pixels]
         pixels, chosen = pixels[nearer], chosen[nearer]
-        nearest[pixels], which[pixels], weight[pixels] = away[chosen], triangle[chosen], weights[chosen]
+        nearest[pixels], which[pixels], weight[pixels] = away[chosen], triangle[chosen], weights[:, chosen].T
         begin = end
     return Raster(which.reshape(height, width), weight.reshape(height, width, 3))
 
 
 def _weights(
-    corners: NDArray[np.float64], points: NDArray[np.float64]
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Which points (k, 2) lie in their triangles (k, 3, 2), and their barycentric weights (k, 3)."""
-    a, b, c = corners.swapaxes(0, 1)
+    corners: NDArray[np.float64], pairs: NDArray[np.int64], x: NDArray[np.float64], y: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Which points lie in their triangles (indices, (i,)), and the barycentric weights (3, i) of these.
 
-    def area(p: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray((q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0]))
+    corners: (3, 2, m), a corner's coordinates for each triangle. pairs: how many points each has, (m,). x, y: theirs.
+    """
+    (ax, ay), (bx, by), (cx, cy) = corners
 
-    whole = area(a, b, c)
-    parts = np.stack([area(points, b, c), area(a, points, c), area(a, b, points)], axis=1)
+    def each(of_triangle: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.repeat(of_triangle, pairs)
+
+    whole = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     proper = np.abs(whole) > 1e-12
-    weights = parts / np.where(proper, whole, 1.0)[:, None]
-    return proper & (weights >= 0.0).all(axis=1), weights
+    from_a, below_a = x - each(ax), y - each(ay)
+    parts = (
+        (each(bx) - x) * (each(cy) - y) - (each(by) - y) * (each(cx) - x),
+        from_a * each(cy - ay) - below_a * each(cx - ax),
+        each(bx - ax) * below_a - each(by - ay) * from_a,
+    )
+    size = each(np.where(proper, whole, 1.0))
+    weights = np.stack([part / size for part in parts])
+    inside = np.flatnonzero(each(proper) & (weights >= 0.0).all(axis=0))
+    return inside, weights[:, inside]
