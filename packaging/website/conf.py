@@ -23,7 +23,7 @@ myst_enable_extensions = ["attrs_inline"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
-autodoc_use_type_comments = False  # there are none, and looking for them takes a tenth of the time
+autodoc_use_type_comments = False  # there are none, and looking for them takes 7 % of the time
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 88
 napoleon_google_docstring = False

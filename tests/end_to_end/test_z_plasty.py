@@ -31,7 +31,7 @@ THICKNESS = 4.0  # mm
 @pytest.mark.timeout(900)
 def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path: Path) -> None:
     cache = tmp_path / "z_plasty.usdc"
-    # At 1 and 1.25 mm, three and two times as many cells, all that is asserted is the same within a tenth of its bound.
+    # At 1.25 mm, with nearly twice as many cells, all that is asserted is the same within a tenth of its bound.
     settings, store = SolverSettings(spacing=1.5), FrameStore(tmp_path / "store")
     result = solve_procedure(z_plasty(), cache, settings, store=store, error_estimate=False)
     assert result.complete, result.reason
