@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
-import os
 import pickle
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from folder_of_run import alone, folder_of_run
 from lappet.models.body_surface import BodySurface
 from lappet.models.model_sheet import model_sheet
 from lappet.procedure import Tissue
@@ -34,24 +32,16 @@ class KeptSheets:
         for array in (skin.points, skin.triangles, around.points, around.triangles):
             digest.update(np.ascontiguousarray(array).tobytes())
         kept = self._folder / f"{digest.hexdigest()}.pickle"
-        with _alone(kept.with_suffix(".lock")):
+        with alone(kept.with_suffix(".lock")):
             if not kept.exists():
                 kept.write_bytes(pickle.dumps(model_sheet(skin, around, thickness, spacing, name)))
         made: Tissue = pickle.loads(kept.read_bytes())
         return replace(made, spacing=spacing)  # which nothing else of it depends on
 
 
-@contextmanager
-def _alone(lock: Path) -> Iterator[None]:
-    with lock.open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
-
-
 @pytest.fixture(scope="session", autouse=True)
 def kept_sheets(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    own = tmp_path_factory.getbasetemp()  # with several workers a folder in that of the run
-    kept = KeptSheets((own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "kept_sheets")
+    kept = KeptSheets(folder_of_run(tmp_path_factory, "kept_sheets"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lappet.models.body_model.model_sheet", kept.sheet)
         yield
