@@ -15,6 +15,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -22,11 +23,13 @@ import synthetic_skin_cache as slit
 from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.skin_shape import depth_below_skin
+from lappet_blender.display import skin_display
 from lappet_blender.solving import frames
 from lappet_blender.solving.shown_frame import Shown
 from lappet_blender.solving.solve_progress import Progress
 
 SUTURES = 4
+STEP = 2.5  # mm between vertices of the patch that is shown
 
 
 def epoch_shape(step: float, cut: bool) -> EpochShape:
@@ -138,3 +141,18 @@ def add_tissue(scene: bpy.types.Scene) -> bpy.types.Object:
     scene.lappet.tissue.object = tissue
     scene.frame_start, scene.frame_end = 1, 12
     return tissue
+
+
+@pytest.fixture
+def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
+    """A scene with the slit patch solved, at frame 1."""
+    add_tissue(scene)
+    solved.manifests[scene.name] = slit_manifest(STEP)
+    skin_display.refresh(scene)
+    return scene
+
+
+def vertices(each: bpy.types.Object) -> NDArray[np.float32]:
+    flat = np.empty(3 * len(each.data.vertices), np.float32)
+    each.data.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)

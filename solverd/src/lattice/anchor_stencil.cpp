@@ -27,7 +27,6 @@ constexpr std::array<std::pair<double, double>, 4> kGauss{{{0.06943184420297371,
 constexpr int kAzimuths = 16;
 // Under a ridge of a wall the foot of an anchor may miss the triangles on both sides: by how many radii at most.
 constexpr double kBeside = 0.2;
-constexpr double kOneFace = 0.9;  // cosine between normals of triangles that count as one face
 
 // Where the segment from `from` along `way` crosses a triangle, as a fraction of it; infinity where it does not.
 template <class Wall>

@@ -24,6 +24,7 @@ namespace lappet {
 inline constexpr double kStencilRadius = 1.0;  // mm
 // No needle takes more of thin or small tissue: the largest radius over the thinnest side of the box around it.
 inline constexpr double kStencilShare = 0.5;
+inline constexpr double kOneFace = 0.9;  // cosine between normals of triangles that count as one face
 
 struct AnchorStencil {
   std::vector<Index> nodes;     // distinct, in order
@@ -54,6 +55,7 @@ class AnchorStencils {
     Index triangle;
   };
   std::vector<Facing> faces_above(const Vec3& anchor) const;
+  double radius() const { return radius_; }
 
  private:
   // A part of the tissue around an anchor: a point of a cell, and how much it weighs.

@@ -14,44 +14,40 @@ using Facing = AnchorStencils::Facing;
 
 // Faces face each other from this cosine between their normals on.
 constexpr double kFacing = -0.3;
-// Walls make an edge up to this cosine between their normals; beyond, one wall that bends.
-constexpr double kOneWall = 0.9;
-// An end lies no further from its anchor, and goes no further ahead for a millimeter of each wall: at sharper edges
-// than 39 degrees less is touched than is asked for.
-constexpr double kFarthest = 1.0, kFastest = 3.0;  // mm; mm per mm
-constexpr double kSamePoint = 1e-6;                // mm
+// An edge goes no further ahead for a millimeter of each of its walls: at sharper ones than 39 degrees less is touched
+// than is asked for.
+constexpr double kFastest = 3.0;     // mm per mm
+constexpr double kSamePoint = 1e-6;  // mm
 // An anchor lies in the middle of a tip where one of its walls is so many times as far as the other at most. Two walls
-// that look away from each other beyond this cosine are those of a thin part.
+// whose normals are opposite beyond this cosine are those of a thin part, or of a cut that ends.
 constexpr double kInMiddle = 1.25, kThin = -0.95;
+
+using Planes = Eigen::Matrix<double, 2, 3>;  // unit normals
+
+// The shortest vector that rises so far above each of two planes.
+Vec3 with_heights(const Planes& normals, const Eigen::Vector2d& heights) {
+  return normals.transpose() * (normals * normals.transpose()).ldlt().solve(heights);
+}
 
 WallEnd end_at(const Facing& face) { return {face.depth * face.normal, face.normal}; }
 
-// The shortest vector with these heights above planes with these normals, one or two.
-Vec3 with_heights(const std::vector<Vec3>& normals, const std::vector<double>& heights) {
-  Eigen::MatrixXd planes(normals.size(), 3);
-  Eigen::VectorXd above(normals.size());
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    planes.row(static_cast<Eigen::Index>(i)) = normals[i];
-    above[static_cast<Eigen::Index>(i)] = heights[i];
-  }
-  return planes.completeOrthogonalDecomposition().solve(above);
-}
-
-Vec3 ahead_of(const std::vector<Vec3>& normals) {
-  const Vec3 ahead = with_heights(normals, std::vector<double>(normals.size(), 1.0));
-  return std::min(1.0, kFastest / ahead.norm()) * ahead;
+// The edge where two walls with these normals meet, `out` from the anchor.
+WallEnd edge_at(const Vec3& out, const Planes& normals) {
+  const Vec3 ahead = with_heights(normals, {1.0, 1.0});
+  return {out, std::min(1.0, kFastest / ahead.norm()) * ahead};
 }
 
 // The edge behind which the anchor lies: the point of the walls that is nearest to it, where two of them meet there and
 // it lies behind both.
-std::optional<WallEnd> edge_before(const Surface& surface, std::span<const std::uint8_t> walls, const Vec3& anchor) {
+std::optional<WallEnd> edge_before(const Surface& surface, std::span<const std::uint8_t> walls, const Vec3& anchor,
+                                   double radius) {
   struct Near {
     Vec3 point, normal;
     double distance;
     bool behind;
   };
   std::vector<Near> near;
-  double least = kFarthest;
+  double least = radius;
   for (std::size_t t = 0; t < walls.size(); ++t) {
     if (walls[t] == 0) continue;
     const auto& corners = surface.triangles[t];
@@ -69,30 +65,30 @@ std::optional<WallEnd> edge_before(const Surface& surface, std::span<const std::
   std::vector<Vec3> normals;
   for (const Near& other : near) {
     if (!other.behind || (other.point - near.front().point).norm() > kSamePoint) return std::nullopt;
-    if (std::ranges::none_of(normals, [&](const Vec3& known) { return known.dot(other.normal) > kOneWall; }))
+    if (std::ranges::none_of(normals, [&](const Vec3& known) { return known.dot(other.normal) > kOneFace; }))
       normals.push_back(other.normal);
   }
-  if (normals.size() != 2) return std::nullopt;
-  return WallEnd{near.front().point - anchor, ahead_of(normals)};
+  if (normals.size() != 2 || normals[0].dot(normals[1]) < kThin) return std::nullopt;
+  return edge_at(near.front().point - anchor, (Planes() << normals[0].transpose(), normals[1].transpose()).finished());
 }
 
 // The edge of a tip under which an anchor lies: where the two nearest walls above it meet, which are about as far.
-std::optional<WallEnd> edge_above(const std::vector<Facing>& faces) {
+std::optional<WallEnd> edge_above(std::span<const Facing> faces, double radius) {
   if (faces.size() < 2 || faces[1].depth > kInMiddle * faces[0].depth) return std::nullopt;
-  const std::vector<Vec3> normals{faces[0].normal, faces[1].normal};
-  if (normals[0].dot(normals[1]) < kThin) return std::nullopt;
-  const WallEnd end{with_heights(normals, {faces[0].depth, faces[1].depth}), ahead_of(normals)};
-  return end.out.norm() <= kFarthest ? std::optional(end) : std::nullopt;
+  if (faces[0].normal.dot(faces[1].normal) < kThin) return std::nullopt;
+  const Planes normals = (Planes() << faces[0].normal.transpose(), faces[1].normal.transpose()).finished();
+  const Vec3 out = with_heights(normals, {faces[0].depth, faces[1].depth});
+  return out.norm() <= radius ? std::optional(edge_at(out, normals)) : std::nullopt;
 }
 
 // above: all faces above the anchor.
 std::optional<WallEnd> end_on_walls(const Surface& surface, std::span<const std::uint8_t> walls, const Vec3& anchor,
-                                    std::vector<Facing> above) {
-  if (const auto edge = edge_before(surface, walls, anchor)) return edge;
+                                    std::vector<Facing> above, double radius) {
+  if (const auto edge = edge_before(surface, walls, anchor, radius)) return edge;
   std::erase_if(above, [&](const Facing& face) { return walls[face.triangle] == 0; });
   if (above.empty()) return std::nullopt;
   std::ranges::stable_sort(above, {}, &Facing::depth);
-  if (const auto edge = edge_above(above)) return edge;
+  if (const auto edge = edge_above(above, radius)) return edge;
   return end_at(above.front());
 }
 
@@ -103,8 +99,8 @@ std::optional<std::pair<WallEnd, WallEnd>> find_wall_ends(const AnchorStencils& 
                                                           const Vec3& second) {
   const std::vector<Facing> above_first = stencils.faces_above(first), above_second = stencils.faces_above(second);
   if (!walls.empty()) {
-    const auto own = end_on_walls(surface, walls, first, above_first);
-    const auto other = end_on_walls(surface, walls, second, above_second);
+    const auto own = end_on_walls(surface, walls, first, above_first, stencils.radius());
+    const auto other = end_on_walls(surface, walls, second, above_second, stencils.radius());
     if (own && other) return std::pair(*own, *other);
   }
   std::optional<std::pair<Facing, Facing>> nearest;

@@ -13,12 +13,6 @@
 namespace lappet {
 namespace {
 
-LatticeSettings spaced(double spacing) {
-  LatticeSettings result;
-  result.spacing = spacing;
-  return result;
-}
-
 constexpr double kTip = 20.0;  // where the flap is
 const double kSlope = std::tan(std::numbers::pi / 6.0);
 
@@ -32,7 +26,7 @@ struct NotchAndFlap {
       const Vec3 &a = surface.points[t[0]], &b = surface.points[t[1]], &c = surface.points[t[2]];
       walls.push_back(std::abs((b - a).cross(c - a).normalized().z()) < 0.5 ? 1 : 0);
     }
-    lattice = build_lattice(surface, spaced(1.0));
+    lattice = build_lattice(surface, {});
   }
   auto ends(const Vec3& first, const Vec3& second) const {
     return find_wall_ends(AnchorStencils(lattice, surface, kStencilRadius), surface, walls, first, second);
