@@ -6,6 +6,19 @@
 
 namespace lappet {
 
+namespace {
+
+// No larger, or no smaller, than it was.
+template <int kSign>
+MovingBox::Corner rounded(const Vec3& corner) {
+  const Eigen::Array3f nearest = corner.cast<float>();
+  MovingBox::Corner result = MovingBox::Corner::Zero();
+  result.head<3>() = nearest + float(kSign) * std::numeric_limits<float>::epsilon() * nearest.abs();
+  return result;
+}
+
+}  // namespace
+
 BoxTree::BoxTree(std::span<const Vec3> places, std::vector<std::array<Index, 3>> triangles)
     : triangles_(std::move(triangles)),
       order_(triangles_.size()),
@@ -22,10 +35,8 @@ BoxTree::BoxTree(std::span<const Vec3> places, std::vector<std::array<Index, 3>>
 Index BoxTree::build(Index first, Index last, std::span<const Vec3> centers) {
   const Index at = to_index(nodes_.size());
   nodes_.push_back({{}, first, last, -1});
-  if (last - first <= kLeafSize) {
-    leaves_.push_back(at);
-    return at;
-  }
+  if (last - first <= kPartSize && (parts_.empty() || nodes_[parts_.back()].last <= first)) parts_.push_back(at);
+  if (last - first <= kLeafSize) return at;
   Vec3 low = centers[order_[first]], high = low;
   for (Index k = first; k < last; ++k) {
     low = low.cwiseMin(centers[order_[k]]);
@@ -48,12 +59,12 @@ void BoxTree::refit(std::span<const Vec3> places, std::span<const Vec3> ways, st
     const auto& [a, b, c] = triangles_[order_[k]];
     MovingBox& box = boxes_[k];
     marked_[k] = marked.empty() || marked[a] || marked[b] || marked[c];
-    box.low = places[a].cwiseMin(places[b]).cwiseMin(places[c]);
-    box.high = places[a].cwiseMax(places[b]).cwiseMax(places[c]);
-    box.least_way = box.most_way = Vec3::Zero();
+    box.low = rounded<-1>(places[a].cwiseMin(places[b]).cwiseMin(places[c]));
+    box.high = rounded<1>(places[a].cwiseMax(places[b]).cwiseMax(places[c]));
+    box.least_way = box.most_way = MovingBox::Corner::Zero();
     if (ways.empty()) return;
-    box.least_way = ways[a].cwiseMin(ways[b]).cwiseMin(ways[c]);
-    box.most_way = ways[a].cwiseMax(ways[b]).cwiseMax(ways[c]);
+    box.least_way = rounded<-1>(ways[a].cwiseMin(ways[b]).cwiseMin(ways[c]));
+    box.most_way = rounded<1>(ways[a].cwiseMax(ways[b]).cwiseMax(ways[c]));
   });
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
@@ -74,7 +85,7 @@ void BoxTree::refit(std::span<const Vec3> places, std::span<const Vec3> ways, st
 
 std::size_t BoxTree::bytes() const {
   return triangles_.size() * (sizeof(triangles_[0]) + sizeof(Index) + sizeof(MovingBox) + 1) +
-         nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Index);
+         nodes_.size() * sizeof(Node) + parts_.size() * sizeof(Index);
 }
 
 }  // namespace lappet

@@ -2,6 +2,8 @@
 // the pairs of triangles that come near each other on straight ways, at the same time: what goes away from another, or
 // along with it, is passed over.
 #pragma once
+#include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,26 +14,25 @@
 
 namespace lappet {
 
-// Where triangles are, and the ways that they go.
+// Where triangles are, and the ways that they go: in single precision, rounded outwards. The fourth numbers are zero.
 struct MovingBox {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();            // of the places
-  Vec3 least_way = Vec3::Zero(), most_way = Vec3::Zero();  // of the ways
+  using Corner = Eigen::Array4f;
+  Corner low = Corner::Zero(), high = Corner::Zero();            // of the places
+  Corner least_way = Corner::Zero(), most_way = Corner::Zero();  // of the ways
 
   void grow(const MovingBox& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
-    least_way = least_way.cwiseMin(other.least_way);
-    most_way = most_way.cwiseMax(other.most_way);
+    low = low.min(other.low);
+    high = high.max(other.high);
+    least_way = least_way.min(other.least_way);
+    most_way = most_way.max(other.most_way);
   }
   // Whether something in the one may come nearer than `distance` to something in the other: along no axis are they
   // farther apart than that both where they are and where they go.
-  bool may_meet(const MovingBox& other, double distance) const {
-    for (int i = 0; i < 3; ++i) {
-      const double above = low[i] - other.high[i], below = other.low[i] - high[i];
-      if (above > distance && above + least_way[i] - other.most_way[i] > distance) return false;
-      if (below > distance && below + other.least_way[i] - most_way[i] > distance) return false;
-    }
-    return true;
+  bool may_meet(const MovingBox& other, float distance) const {
+    const Corner above = low - other.high, below = other.low - high;
+    const Corner least_above = above.min(above + least_way - other.most_way);
+    const Corner least_below = below.min(below + other.least_way - most_way);
+    return !(least_above.max(least_below).maxCoeff() > distance);
   }
 };
 
@@ -49,20 +50,20 @@ class BoxTree {
   // always the same.
   template <class Body>
   void for_each_pair(double distance, const Body& body) const {
+    const float apart = static_cast<float>(distance) + kRounding;
     for_each_chunk(
-        leaves_.size(),
-        [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-          for (std::size_t leaf = begin; leaf < end; ++leaf)
-            visit_pairs(to_index(leaf), distance, [&](Index triangle, Index other) { body(chunk, triangle, other); });
+        parts_.size(),
+        [&](std::size_t chunk, std::size_t, std::size_t) {
+          visit(parts_[chunk], apart, [&](Index triangle, Index other) { body(chunk, triangle, other); });
         },
-        kLeavesPerChunk);
+        1);
   }
-  std::size_t chunks() const { return (leaves_.size() + kLeavesPerChunk - 1) / kLeavesPerChunk; }
+  std::size_t chunks() const { return parts_.size(); }
   std::size_t bytes() const;
 
  private:
-  static constexpr Index kLeafSize = 4;
-  static constexpr std::size_t kLeavesPerChunk = 64;
+  static constexpr Index kLeafSize = 4, kPartSize = 256;
+  static constexpr float kRounding = 1e-4F;  // mm, of differences of places and ways
 
   // The triangles order_[first] to order_[last - 1]. A node is followed by the half that comes first; `next` is the
   // other one, -1 in a leaf.
@@ -70,35 +71,55 @@ class BoxTree {
     MovingBox box;
     Index first = 0, last = 0, next = -1;
     bool marked = true;  // one of them is
+
+    Index size() const { return last - first; }
+    bool is_leaf() const { return next < 0; }
   };
 
   Index build(Index first, Index last, std::span<const Vec3> centers);
-  // Calls body(leaf) for the leaves that may come near another one and whose triangles come there or later.
+  // Calls body(triangle, other) for pairs of a triangle of a part with one that comes later: two nodes at once go down
+  // the tree, from the part and from the root.
   template <class Body>
-  void visit(const Node& own, double distance, const Body& body) const {
-    std::array<Index, 64> stack;
+  void visit(Index part, float distance, const Body& body) const {
+    std::array<std::array<Index, 2>, 256> stack;
     std::size_t height = 0;
-    stack[height++] = 0;
+    const auto push = [&](Index own, Index other) { stack[height++] = {own, other}; };
+    push(part, 0);
     while (height > 0) {
-      const Index at = stack[--height];
-      const Node& node = nodes_[at];
-      if (node.last <= own.first || !(own.marked || node.marked) || !node.box.may_meet(own.box, distance)) continue;
-      if (node.next < 0) {
-        body(node);
-      } else {
-        stack[height++] = node.next;
-        stack[height++] = at + 1;
+      const auto [at, at_other] = stack[--height];
+      const Node &own = nodes_[at], &other = nodes_[at_other];
+      if (other.last <= own.first || !(own.marked || other.marked)) continue;
+      if (at == at_other) {
+        if (own.is_leaf()) {
+          visit_triangles(own, other, distance, body);
+        } else {
+          push(own.next, own.next);
+          push(at + 1, own.next);
+          push(at + 1, at + 1);
+        }
+      } else if (other.first <= own.first) {  // and holds it
+        push(at, other.next);
+        push(at, at_other + 1);
+      } else if (other.box.may_meet(own.box, distance)) {
+        if (own.is_leaf() && other.is_leaf()) {
+          visit_triangles(own, other, distance, body);
+        } else if (own.size() >= other.size()) {
+          push(own.next, at_other);
+          push(at + 1, at_other);
+        } else {
+          push(at, other.next);
+          push(at, at_other + 1);
+        }
       }
     }
   }
   template <class Body>
-  void visit_pairs(Index leaf, double distance, const Body& body) const {
-    const Node& own = nodes_[leaves_[leaf]];
-    visit(own, distance, [&](const Node& other) {
-      for (Index i = own.first; i < own.last; ++i)
-        for (Index k = std::max(other.first, i + 1); k < other.last; ++k)
-          if ((marked_[i] || marked_[k]) && boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
-    });
+  void visit_triangles(const Node& own, const Node& other, float distance, const Body& body) const {
+    for (Index i = own.first; i < own.last; ++i) {
+      if (!(marked_[i] || other.marked) || !boxes_[i].may_meet(other.box, distance)) continue;
+      for (Index k = std::max(other.first, i + 1); k < other.last; ++k)
+        if ((marked_[i] || marked_[k]) && boxes_[i].may_meet(boxes_[k], distance)) body(order_[i], order_[k]);
+    }
   }
 
   std::vector<std::array<Index, 3>> triangles_;
@@ -106,7 +127,7 @@ class BoxTree {
   std::vector<MovingBox> boxes_;  // of each, in that order
   std::vector<std::uint8_t> marked_;
   std::vector<Node> nodes_;
-  std::vector<Index> leaves_;  // their nodes
+  std::vector<Index> parts_;  // nodes that hold all triangles between them
 };
 
 }  // namespace lappet

@@ -15,15 +15,30 @@ constexpr double kLiesOn = 1e-6;  // mm: nearer, the barrier is beyond what posi
 
 constexpr float kUnit = 1.0F - 1e-6F;  // no unit vector in single precision times this is longer than one
 
-// Whether two primitives stay farther apart than a distance along an axis.
+// The least and the largest coordinate of some of four vectors along an axis.
+template <int kBegin, int kEnd>
+std::pair<double, double> range_along(const std::array<Vec3, 4>& vectors, int axis) {
+  double least = vectors[kBegin][axis], most = least;
+  for (int i = kBegin + 1; i < kEnd; ++i) {
+    least = std::min(least, vectors[i][axis]);
+    most = std::max(most, vectors[i][axis]);
+  }
+  return {least, most};
+}
+
+// Whether two primitives stay farther apart than a distance along an axis, where they are and where they go.
 template <int kFirst>
 bool stays_beyond(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& way, double distance) {
-  const auto box = [&](int begin, int end) {
-    MovingBox result{from[begin], from[begin], way[begin], way[begin]};
-    for (int i = begin + 1; i < end; ++i) result.grow({from[i], from[i], way[i], way[i]});
-    return result;
-  };
-  return !box(0, kFirst).may_meet(box(kFirst, 4), distance);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = range_along<0, kFirst>(from, axis);
+    const auto [other_low, other_high] = range_along<kFirst, 4>(from, axis);
+    const double above = low - other_high, below = other_low - high;
+    if (!(std::max(above, below) > distance)) continue;
+    const auto [least, most] = range_along<0, kFirst>(way, axis);
+    const auto [other_least, other_most] = range_along<kFirst, 4>(way, axis);
+    if ((above > below ? above + least - other_most : below + other_least - most) > distance) return true;
+  }
+  return false;
 }
 
 // Sorts what is sorted already up to `begin`.
@@ -117,37 +132,44 @@ void ContactCandidates::cover(const std::vector<Vec3>& places, const std::vector
   search();
 }
 
+// They hold along the whole way, so also about where it came to.
 void ContactCandidates::take_over(const std::vector<Vec3>& places, const std::vector<Vec3>& ways) {
   const bool all = from_.empty();
+  const double share = all ? 0.0 : share_of_way(places, {});
   from_.resize(places.size());
   ways_.resize(places.size());
   marked_.assign(places.size(), 1);
   for_each_index(places.size(), [&](std::size_t v) {
     const Vec3 way = ways.empty() ? Vec3(Vec3::Zero()) : ways[v];
-    const Vec3 off = places[v] - from_[v];
+    const Vec3 held = from_[v] + share * ways_[v], off = places[v] - held;
     marked_[v] = all || !(std::max(off.squaredNorm(), (off + way).squaredNorm()) <= slack_ * slack_);
-    if (marked_[v]) from_[v] = places[v];
+    from_[v] = marked_[v] ? places[v] : held;
     ways_[v] = marked_[v] ? way : Vec3(Vec3::Zero());
   });
+}
+
+// Of the way that they hold for, nearest to a state or to where its ways lead.
+double ContactCandidates::share_of_way(std::span<const Vec3> places, std::span<const Vec3> ways) const {
+  double along = 0.0, length2 = 0.0;
+  for (std::size_t v = 0; v < from_.size(); ++v) {
+    Vec3 off = places[v] - from_[v];
+    if (!ways.empty()) off += ways[v];
+    along += off.dot(ways_[v]);
+    length2 += ways_[v].squaredNorm();
+  }
+  return length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
 }
 
 // At the end of the ways, if any. The way from a place where they hold to another one is covered as well: the share of
 // the way and what is off it are linear along it.
 bool ContactCandidates::holds_at(std::span<const Vec3> places, std::span<const Vec3> ways) const {
   if (from_.empty()) return false;
-  const auto off = [&](std::size_t v) {
-    Vec3 result = places[v] - from_[v];
-    if (!ways.empty()) result += ways[v];
-    return result;
-  };
-  double along = 0.0, length2 = 0.0;
+  const double share = share_of_way(places, ways);
   for (std::size_t v = 0; v < from_.size(); ++v) {
-    along += off(v).dot(ways_[v]);
-    length2 += ways_[v].squaredNorm();
+    Vec3 off = places[v] - from_[v] - share * ways_[v];
+    if (!ways.empty()) off += ways[v];
+    if (!(off.squaredNorm() <= slack_ * slack_)) return false;
   }
-  const double share = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
-  for (std::size_t v = 0; v < from_.size(); ++v)
-    if (!((off(v) - share * ways_[v]).squaredNorm() <= slack_ * slack_)) return false;
   return true;
 }
 
@@ -170,8 +192,8 @@ void ContactCandidates::search() {
     vertex_faces_.insert(vertex_faces_.end(), of_chunk.vertex_faces.begin(), of_chunk.vertex_faces.end());
     edges_.insert(edges_.end(), of_chunk.edges.begin(), of_chunk.edges.end());
   }
-  sort_from(vertex_faces_, known_faces, [](const VertexFacePair& pair) { return std::pair(pair.vertex, pair.face); });
-  sort_from(edges_, known_edges, [](const EdgePair& pair) { return std::pair(pair.first, pair.second); });
+  sort_from(vertex_faces_, known_faces, [](const VertexFacePair& pair) { return key(pair.vertex, pair.face); });
+  sort_from(edges_, known_edges, [](const EdgePair& pair) { return key(pair.first, pair.second); });
 }
 
 // The vertices that a triangle owns, with a face.

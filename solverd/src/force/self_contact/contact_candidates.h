@@ -62,10 +62,11 @@ class ContactCandidates {
   };
   static std::uint64_t key(Index a, Index b) { return std::uint64_t(std::uint32_t(a)) << 32 | std::uint32_t(b); }
 
+  double share_of_way(std::span<const Vec3> places, std::span<const Vec3> ways) const;
   // Whether a state lies within the slack of the way that the candidates hold for.
   bool holds_at(std::span<const Vec3> places, std::span<const Vec3> ways) const;
-  // Marks the vertices that do not stay within the slack of where they were, and takes their places and ways; of all
-  // where none hold.
+  // Marks the vertices that do not stay within the slack of where the candidates hold, and takes their places and ways;
+  // of all where none hold.
   void take_over(const std::vector<Vec3>& places, const std::vector<Vec3>& ways);
   // Finds the pairs of marked vertices.
   void search();

@@ -30,13 +30,6 @@ ClosestOnTriangle at_edge(const ClosestOnSegment& on, int edge) {
 
 }  // namespace
 
-ClosestOnSegment closest_on_segment(const Vec3& point, const Vec3& a, const Vec3& b) {
-  const Vec3 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double at = length2 > 0.0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return {at, (point - a - at * along).squaredNorm()};
-}
-
 ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
   const double area2 = normal.squaredNorm();

@@ -2,6 +2,7 @@
 // differentiable wherever its closest points are unique, and its gradient with respect to a corner is that corner's
 // weight times the direction (the envelope theorem), whatever feature they lie on.
 #pragma once
+#include <algorithm>
 #include <array>
 
 #include "lattice/surface.h"
@@ -26,7 +27,12 @@ struct ClosestOnSegment {
   double at = 0.0;  // 0 at a, 1 at b
   double squared_distance = 0.0;
 };
-ClosestOnSegment closest_on_segment(const Vec3& point, const Vec3& a, const Vec3& b);
+inline ClosestOnSegment closest_on_segment(const Vec3& point, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double at = length2 > 0.0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return {at, (point - a - at * along).squaredNorm()};
+}
 
 // Of parallel segments it is one of many.
 struct ClosestOnSegments {
