@@ -155,6 +155,7 @@ def tissues(draw: st.DrawFn) -> Tissue:
         draw(numbers),
         tuple(Region(name, draw(named), draw(numbers), draw(depths)) for name in painted),
         tuple(Roller(name, draw(st.none() | directions)) for name in rolling),
+        draw(st.booleans()),
     )
 
 

@@ -206,6 +206,7 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, tissue=replace(tissue, subsets=renamed)),
         replace(base, tissue=replace(tissue, uv=None)),
         replace(base, tissue=replace(tissue, gravity=3.7)),
+        replace(base, tissue=replace(tissue, self_contact=True)),
         replace(base, bones=(bone,)),
     ]
     keys = {manifest_key(each, SolverSettings(), "s") for each in (base, *others)}

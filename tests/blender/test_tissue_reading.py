@@ -47,6 +47,7 @@ def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit
             {**plain.subsets, "grip": np.array([3, 7], np.int32), "fat_below": np.array([1], np.int32)},
             **{name: getattr(plain, name) for name in ("material", "spacing", "gravity", "bed_stiffness", "bed_shear")},
             gravity_direction=direction,
+            self_contact=metres_per_unit == 1.0,
             regions=(Region("grip", "muscle", 0.5, 2.2), Region("fat_below", "fat", 1.5)),
         ),
         materials=(

@@ -6,6 +6,7 @@ import contextlib
 import csv
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -204,10 +205,34 @@ def test_a_wrong_procedure_is_refused_before_the_solver_is_asked(solver: FakeSol
 def test_friction_without_self_contact_is_refused_before_the_solver_is_asked(
     procedure: Path, solver: FakeSolver
 ) -> None:
-    done = run("solve", procedure, "--friction", "0.3")
+    done = run("solve", procedure, "--friction", "0.3", "--no-self-contact")
     assert done.exit_code == 2
-    assert "--self-contact" in done.stderr
+    assert "--no-self-contact" in done.stderr
     assert solver.opened == 0
+
+
+@pytest.mark.parametrize(
+    ("own", "options", "expected"),
+    [
+        (True, (), True),
+        (False, (), False),
+        (True, ("--no-self-contact",), False),
+        (False, ("--self-contact",), True),
+        (False, ("--friction", "0.3"), True),
+    ],
+)
+def test_the_procedure_says_whether_tissue_is_kept_apart_unless_an_option_does(
+    own: bool, options: tuple[str, ...], expected: bool, solver: FakeSolver, tmp_path: Path
+) -> None:
+    seen: list[Any] = []
+    connect = solver.connect
+    solver.connect = lambda settings, bones: (seen.append(settings), connect(settings, bones))[1]  # type: ignore[method-assign]
+    plain = small_procedure()
+    file = tmp_path / "p.usda"
+    write_procedure(replace(plain, tissue=replace(plain.tissue, self_contact=own)), file)
+    done = run("solve", file, *options)
+    assert done.exit_code == 0, done.output
+    assert {settings.self_contact for settings in seen} == {expected}
 
 
 def test_solve_without_a_daemon_is_a_sentence(procedure: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

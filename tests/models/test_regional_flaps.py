@@ -77,7 +77,8 @@ def test_the_commands_on_a_designs_page_make_its_operation(name: str, tmp_path: 
     assert laid.direction == pytest.approx(own.direction, abs=1e-4)
     assert [event.name for event in made.events] == [event.name for event in wanted.events]
     assert made.tissue.points == pytest.approx(wanted.tissue.points, abs=1e-3)
-    assert (made.tissue.spacing, made.tissue.gravity) == (wanted.tissue.spacing, wanted.tissue.gravity)
+    for value in ("spacing", "gravity", "self_contact"):
+        assert getattr(made.tissue, value) == getattr(wanted.tissue, value)
 
 
 @pytest.mark.skipif(not is_fetched(), reason="the models' package is not there: lappet models fetch")

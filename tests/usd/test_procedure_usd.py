@@ -113,6 +113,7 @@ def test_equality_sees_every_field_of_the_tissue() -> None:
         "gravity_direction": (0.0, -1.0, 0.0),
         "bed_stiffness": 1.0,
         "bed_shear": 0.5,
+        "self_contact": True,
         "regions": (Region("fixed", "fat"),),
         "rollers": (Roller("fixed"),),
     }
@@ -200,6 +201,7 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
     unlike_0_1 = (
         "lappet:gravityDirection",
         "lappet:bedShear",
+        "lappet:selfContact",
         "lappet:direction",
         "lappet:fiber:slack",
         "lappet:fiber:angle",

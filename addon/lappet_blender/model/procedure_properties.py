@@ -270,7 +270,7 @@ class LappetSolving(bpy.types.PropertyGroup):
     self_contact: flag(
         name="Self-contact",
         description="Keep tissue from passing through tissue. Takes longer, and frames may fail that solve without",
-        default=SolverSettings.self_contact,
+        default=Tissue.self_contact,
     )
     friction: FloatProperty(
         name="Friction",

@@ -90,6 +90,7 @@ def _tissue(scene: bpy.types.Scene, tissue: Tissue, skin: bpy.types.Object) -> N
     settings.object, settings.thicken = skin, False
     settings.material, settings.spacing, settings.bed_stiffness = tissue.material, tissue.spacing, tissue.bed_stiffness
     settings.bed_shear = tissue.bed_shear
+    scene.lappet.solving.self_contact = tissue.self_contact
     settings.use_gravity = tissue.has_gravity
     if tissue.has_gravity:
         settings.gravity = tissue.gravity

@@ -221,6 +221,7 @@ def _settings_values(settings: bpy.types.PropertyGroup) -> dict[str, Any]:
         "gravity_direction": POSITIONS.get(settings.position.lower()) or decimals(settings.gravity_direction),
         "bed_stiffness": decimal(settings.bed_stiffness),
         "bed_shear": decimal(settings.bed_shear),
+        "self_contact": settings.id_data.lappet.solving.self_contact,
     }
 
 

@@ -22,7 +22,6 @@ def solve_settings(scene: bpy.types.Scene) -> SolverSettings:
         tolerance=decimal(solving.tolerance),
         quadrature=int(solving.quadrature),
         precision=solving.precision,
-        self_contact=solving.self_contact,
         friction=decimal(solving.friction) if solving.self_contact else 0.0,
         threads=solving.threads,
         correction=solving.error_estimate,  # which the estimate needs, and so asks for it

@@ -6,7 +6,7 @@ from dataclasses import fields
 
 from lappet.core.digest import digest
 from lappet.procedure import Bone, Procedure, Tissue
-from lappet.program.settings import SolverSettings, in_key
+from lappet.program.settings import SolverSettings, for_tissue, in_key
 
 
 def manifest_key(procedure: Procedure, settings: SolverSettings, solver_identity: str) -> str:
@@ -29,6 +29,6 @@ def manifest_key(procedure: Procedure, settings: SolverSettings, solver_identity
     str
         64 hexadecimal digits.
     """
+    settings = for_tissue(settings, procedure.tissue)
     choice = {item.name: getattr(settings, item.name) for item in fields(settings) if in_key(item.name)}
-    choice["spacing"] = settings.spacing or procedure.tissue.spacing
     return digest("manifest", solver_identity, choice, procedure, remember=(Tissue, Bone)).hex()

@@ -68,6 +68,7 @@ def show(context: click.Context, /, name: str) -> None:
 )
 @click.option("--spacing", type=float, metavar="MM", help="Lattice edge, 0.05 to 20.  [default: the model's]")
 @gravity_options("9.81")
+@click.option("--self-contact", is_flag=True, help="Keep tissue from passing through tissue whenever it is solved.")
 @click.option("--excision", is_flag=True, help="Add a fusiform excision, undermined and closed.")
 @click.option("--deep", is_flag=True, help="With the layer below the fat: SMAS, fascia, muscle or cartilage.")
 @click.option(
@@ -94,6 +95,7 @@ def new(
     spacing: float | None,
     position: tuple[float, float, float] | None,
     gravity: float | None,
+    self_contact: bool,
     excision: bool,
     deep: bool,
     reach: float,
@@ -109,7 +111,7 @@ def new(
 
         shape = _shape(name, age, sex, weight, targets)
         procedure = new_model(name, ModelChoice(shape, skin, laxity, spacing, scenery, excision, deep, reach))
-        tissue = with_gravity(procedure.tissue, position, gravity)
+        tissue = replace(with_gravity(procedure.tissue, position, gravity), self_contact=self_contact)
         write_procedure(replace(procedure, tissue=tissue), output)
         click.echo(f"Written: {output}")
 

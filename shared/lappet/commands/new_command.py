@@ -22,6 +22,7 @@ UNITS = ("mm", "cm", "dm", "m", "in")  # of `lappet.tissue.mesh_file`, which `--
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--units", type=click.Choice(UNITS), help="The mesh's unit of length; as its file says, or else guessed.")
 @gravity_options("9.81")
+@click.option("--self-contact", is_flag=True, help="Keep tissue from passing through tissue whenever it is solved.")
 @click.option("--at", nargs=3, type=float, metavar="X Y Z", help="Take the skin around a point, in mm; with --radius.")
 @click.option("--radius", type=float, help="How far around the point of --at, in mm along the skin, above 0.")
 @click.option("--outline", type=FILE, help="Take the skin inside an outline: a JSON list of points [x, y, z] in mm.")
@@ -52,10 +53,13 @@ def new(
     box: tuple[float, ...] | None,
     position: tuple[float, float, float] | None,
     gravity: float | None,
+    self_contact: bool,
     **options: Any,
 ) -> None:
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
+        from dataclasses import replace
+
         from lappet.commands.report_table import print_report
         from lappet.core.problem import refused
         from lappet.core.problem_code import ProblemCode
@@ -78,7 +82,8 @@ def new(
             box=(box[:3], box[3:]) if box else None,
             **options,
         )
-        write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
+        tissue = replace(with_gravity(tissue, position, gravity), self_contact=self_contact)
+        write_procedure(Procedure(tissue), output)
         print_report(report)
         click.echo(f"Written: {output}")
         if picture is not None:

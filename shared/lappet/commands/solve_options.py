@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import Field
+from dataclasses import Field, replace
 from typing import Any
 
 import click
@@ -67,8 +67,10 @@ def setting_options(command: Callable[..., Any]) -> Callable[..., Any]:
             if (value := given.pop(item.name)) is not None
         }
         settings = SolverSettings(**chosen)
+        if settings.friction and settings.self_contact is None:
+            settings = replace(settings, self_contact=True)
         if settings.friction and not settings.self_contact:
-            raise click.UsageError("--friction acts where tissue presses on tissue; give --self-contact too.")
+            raise click.UsageError("--friction acts where tissue presses on tissue; leave --no-self-contact out.")
         return command(*arguments, settings=settings, **given)
 
     for item, option in reversed(list(options())):
@@ -100,9 +102,9 @@ def _setting_option(item: Field[Any], option: Option) -> Callable[..., Any]:
     name, default = "--" + item.name.replace("_", "-"), item.default
     if option.value is not None:
         return click.option(option.flags or name, item.name, is_flag=True, help=option.help)
-    if isinstance(default, bool):
+    if default is None or isinstance(default, bool):
         flags = option.flags or f"{name}/--no-{item.name.replace('_', '-')}"
-        return click.option(flags, item.name, default=default, show_default=True, help=option.help)
+        return click.option(flags, item.name, default=default, show_default=default is not None, help=option.help)
     if option.choices:
         kind: click.ParamType = click.Choice([str(each) for each in option.choices])
         default = str(default)
@@ -120,5 +122,5 @@ def _setting(item: Field[Any], option: Option, value: Any) -> Any:
     """Return the value of a setting whose option has this one."""
     if option.value is not None:
         return option.value if value else item.default
-    kind: Any = type(item.default)
+    kind: Any = bool if item.default is None else type(item.default)
     return kind(value)

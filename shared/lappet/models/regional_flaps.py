@@ -52,6 +52,8 @@ class RegionalFlap:
         Edge of the lattice's cells in mm; None for the model's.
     weightless
         Whether it is solved without gravity, as what is cut free of a lip lies on nothing that holds it.
+    self_contact
+        Whether tissue is kept from passing through tissue: where the atlas comes to its end so.
     """
 
     name: str
@@ -67,6 +69,7 @@ class RegionalFlap:
     scar: tuple[float, float] | None = None
     spacing: float | None = None
     weightless: bool = False
+    self_contact: bool = True
 
 
 # An upper lid that hangs over its crease, on both eyes.
@@ -95,6 +98,7 @@ REGIONAL_FLAPS = {
             (-1.0, 0.1, 0.1),
             {"limb": 8.0},
             "The web is not contracted, and nothing below its skin keeps it thick.",
+            self_contact=False,
         ),
         RegionalFlap(
             "neck_z_plasty",
@@ -106,6 +110,7 @@ REGIONAL_FLAPS = {
             {"limb": 15.0},
             "The scar, 44 by 6 mm, pulls with 40 kPa along itself (chosen; no measurement was found).",
             scar=(44.0, 6.0),
+            self_contact=False,
         ),
         RegionalFlap(
             "web_five_flap",
@@ -116,6 +121,7 @@ REGIONAL_FLAPS = {
             (-1.0, 0.1, 0.1),
             {"limb": 8.0},
             "The web is not contracted, and nothing below its skin keeps it thick.",
+            self_contact=False,
         ),
         RegionalFlap(
             "cheek_limberg",
@@ -181,6 +187,7 @@ REGIONAL_FLAPS = {
             "The third stage leaves 2.8 mm of the paddle, as the model `nose` has. It makes the paddle lie lower: as "
             "the model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
             mirrored=True,
+            self_contact=False,
         ),
         RegionalFlap(
             "scalp_rotation",
@@ -190,6 +197,7 @@ REGIONAL_FLAPS = {
             (-12.0, 45.0, 840.0),
             (0.0, 1.0, 0.0),
             remark="Hair and galea are not in the model.",
+            self_contact=False,
         ),
         RegionalFlap(
             "cheek_cervicofacial",
@@ -200,6 +208,7 @@ REGIONAL_FLAPS = {
             (0.1, 0.0, 1.0),
             {"width": 14.0, "length": 17.0, "reach": 30.0, "drop": 44.0},
             "The model ends in front of the ear and at the jaw, so that no skin comes from the neck.",
+            self_contact=False,
         ),
         RegionalFlap(
             "temple_o_z",
@@ -256,6 +265,7 @@ REGIONAL_FLAPS = {
             (-37.3, 137.5, 257.7),
             (-1.0, 0.0, 0.0),
             remark="Perforators are not in the model.",
+            self_contact=False,
         ),
         RegionalFlap(
             "cleft_lip_millard",
@@ -289,6 +299,7 @@ REGIONAL_FLAPS = {
             (-1.0, 0.0, 0.0),
             {"width": 14.0, "height": 14.0, "mouth": 48.0, "alar": 13.0},
             "The lip has no mucosa, which a surgeon would leave whole, and no muscle.",
+            self_contact=False,
         ),
     )
 }
@@ -344,6 +355,7 @@ def flap_on_model(name: str, spacing: float | None = None, *, scenery: bool = Tr
         start = replace(start, tissue=replace(start.tissue, spacing=chosen))
     if flap.weightless:
         start = replace(start, tissue=replace(start.tissue, gravity=0.0))
+    start = replace(start, tissue=replace(start.tissue, self_contact=flap.self_contact))
     lines: FlapLines = ""
     direction: ArrayLike = flap.direction
     if isinstance(flap.direction, str):

@@ -132,10 +132,11 @@ def _tissue(procedure: Procedure) -> str:
     tissue = procedure.tissue
     lies = position_of(tissue.gravity_direction) or f"along {place(tissue.gravity_direction)}"
     gravity = f"gravity {number(tissue.gravity)} m/s², {lies.replace('_', ' ')}" if tissue.has_gravity else "no gravity"
+    apart = ", kept from passing through itself" if tissue.self_contact else ""
     return (
         f"{_size(tissue.points)}, {len(tissue.points)} points, {len(tissue.face_vertex_counts)} faces, "
         f"of {tissue.material or 'no material'}, spacing {number(tissue.spacing)} mm, "
-        f"bed {number(tissue.bed_stiffness)} kPa/mm, {number(tissue.bed_shear)} in shear, {gravity}"
+        f"bed {number(tissue.bed_stiffness)} kPa/mm, {number(tissue.bed_shear)} in shear, {gravity}{apart}"
     )
 
 

@@ -181,6 +181,8 @@ class Tissue:
         one does.
     rollers
         Faces that slide, one per subset, kept in the order of the subsets.
+    self_contact
+        Whether its surface is kept from passing through itself.
     """
 
     points: NDArray[np.float64]
@@ -196,6 +198,7 @@ class Tissue:
     bed_shear: float = 0.375
     regions: tuple[Region, ...] = ()
     rollers: tuple[Roller, ...] = ()
+    self_contact: bool = False
 
     def __post_init__(self) -> None:
         uv = None if self.uv is None else frozen(self.uv, np.float32, 2)
@@ -245,6 +248,7 @@ _PLAIN_FIELDS = (
     "bed_shear",
     "regions",
     "rollers",
+    "self_contact",
 )
 
 

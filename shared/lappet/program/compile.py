@@ -27,7 +27,7 @@ from lappet.program.fixed_parts import FixedParts
 from lappet.program.ground import on_ground
 from lappet.program.materials import activation, materials_in_use, parameters, region_program, with_line_tension
 from lappet.program.program import FrameConstraints, Landmarks, Program
-from lappet.program.settings import SolverSettings
+from lappet.program.settings import SolverSettings, for_tissue
 from lappet.program.strands import strand_program
 from lappet.program.thinned_stitches import out_from
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
@@ -74,7 +74,8 @@ def compile_program(
         bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
         prim.
     """
-    spacing = settings.spacing or procedure.tissue.spacing  # also says how finely the surface is divided
+    settings = for_tissue(settings, procedure.tissue)
+    spacing = settings.spacing  # also says how finely the surface is divided
     procedure = with_single_sutures(procedure, spacing)
     if epochs is None:
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
@@ -85,7 +86,7 @@ def compile_program(
     moved_bones = dict(zip(times, bone_motions(procedure.bones, procedure.start_time, times), strict=True))
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
-    epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, settings.self_contact)
+    epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, bool(settings.self_contact))
     loss = _tissue_loss(procedure)
     off = loss.distance(events.anchors())
     out, come_out = out_from(epochs, events.sutures)
@@ -109,7 +110,7 @@ def compile_program(
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
-        settings=_with_tissue(replace(settings, spacing=spacing), procedure, events, materials),
+        settings=_with_tissue(settings, procedure, events, materials),
         fps=procedure.fps,
         hooks=tuple(hook.name for hook in events.hooks_by_start),
         stitches=events.sutures,

@@ -54,7 +54,7 @@ def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payloa
     Parameters
     ----------
     settings
-        The settings.
+        The settings; what they leave to a tissue is off.
     bones
         The bones.
 
@@ -175,7 +175,7 @@ def _plain(kind: Any, value: Any) -> Any:
         return [float(each) for each in value]
     if kind == "float":
         return float(value)
-    return value if isinstance(value, str) else int(value)
+    return value if isinstance(value, str) else int(value or 0)
 
 
 def _material(material: MaterialParameters) -> dict[str, Any]:

@@ -7,8 +7,10 @@ field), which fields are part of a frame's key (`in_key`), the report.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields, replace
 from typing import Any, Literal
+
+from lappet.procedure import Tissue
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,7 @@ class SolverSettings:
     stability
         Whether unstable equilibria are looked for and left.
     self_contact
-        Whether the surface is kept from passing through itself.
+        Whether the surface is kept from passing through itself; None for what the tissue says.
     friction
         Coulomb's coefficient of friction where the surface presses on itself, with self-contact; 0 for none.
     region
@@ -192,11 +194,13 @@ class SolverSettings:
     correction: bool = setting(False, in_key=False)
     strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
     stability: bool = setting(True, option=Option("Look for unstable equilibria, and leave them for stable ones."))
-    self_contact: bool = setting(False, option=Option("Keep tissue from passing through tissue."))
+    self_contact: bool | None = setting(
+        None, option=Option("Keep tissue from passing through tissue.  [default: what the procedure says]")
+    )
     friction: float = setting(
         0.0,
         option=Option(
-            "Coefficient of friction where tissue presses on tissue, with --self-contact.", least=0, below=10
+            "Coefficient of friction where tissue presses on tissue, which self-contact keeps apart then.", least=0, below=10
         ),
     )
     region: Literal["auto", "whole"] = setting(
@@ -212,6 +216,29 @@ class SolverSettings:
     sutures: int = setting(0, in_key=False)
     retractors: int = setting(0, in_key=False)
     materials: tuple[MaterialParameters, ...] = setting((MaterialParameters(),))
+
+
+def for_tissue(settings: SolverSettings, tissue: Tissue) -> SolverSettings:
+    """Fill in what settings leave to the tissue.
+
+    Parameters
+    ----------
+    settings
+        How to solve; a spacing of 0 and a self-contact of None are the tissue's.
+    tissue
+        The tissue.
+
+    Returns
+    -------
+    SolverSettings
+        The same with both told.
+    """
+    own = settings.self_contact
+    return replace(
+        settings,
+        spacing=settings.spacing or tissue.spacing,
+        self_contact=tissue.self_contact if own is None else own,
+    )
 
 
 def options() -> Iterator[tuple[Field[Any], Option]]:

@@ -157,6 +157,7 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any], rollers: list[Any]) -
         gravity_direction=cast(Point, reader.vector(prim, "lappet:gravityDirection", 3, Tissue.gravity_direction)),
         bed_stiffness=normal,
         bed_shear=reader.number(prim, "lappet:bedShear", min(Tissue.bed_shear, normal)),
+        self_contact=reader.flag(prim, "lappet:selfContact", Tissue.self_contact),
         regions=tuple(_region(reader, region, prim, subsets) for region in regions),
         rollers=tuple(_roller(reader, roller, prim, subsets) for roller in rollers),
     )

@@ -129,6 +129,8 @@ def _tissue(stage: Any, usd: Any, tissue: Tissue) -> None:
     values.double("bedStiffness", tissue.bed_stiffness)
     if tissue.bed_shear != min(Tissue.bed_shear, tissue.bed_stiffness):
         values.double("bedShear", tissue.bed_shear)
+    if tissue.self_contact:
+        values.author("selfContact", usd.Sdf.ValueTypeNames.Bool, True)
     values.double("gravity", tissue.gravity)
     if tissue.gravity_direction != Tissue.gravity_direction:
         values.author("gravityDirection", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*tissue.gravity_direction))

@@ -124,7 +124,7 @@ def _made(flap: RegionalFlap) -> list[str]:
     model = [f"lappet models new {flap.model} -o {file}", *(f"--target {name}={by:g}" for name, by in flap.targets)]
     if flap.spacing is not None:
         model.append(f"--spacing {flap.spacing:g}")
-    model += ["--gravity 0"] * flap.weightless
+    model += ["--gravity 0"] * flap.weightless + ["--self-contact"] * flap.self_contact
     at = " ".join(f"{each:g}" for each in flap.at)
     if isinstance(flap.direction, str):
         way = f"--lines {flap.direction}"
