@@ -200,7 +200,7 @@ class SolverSettings:
     friction: float = setting(
         0.0,
         option=Option(
-            "Coefficient of friction where tissue presses on tissue, which self-contact keeps apart then.", least=0, below=10
+            "Coefficient of friction where tissue presses on tissue; above 0 it keeps tissue apart.", least=0, below=10
         ),
     )
     region: Literal["auto", "whole"] = setting(
