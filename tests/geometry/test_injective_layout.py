@@ -66,3 +66,47 @@ def test_the_second_layout_lies_as_the_first_one_does_near_the_middle() -> None:
     back, front = mesh.points[:, 1] > 30.0, mesh.points[:, 1] < -30.0
     assert layout[right, 0].mean() > layout[left, 0].mean() + 40.0
     assert layout[back, 1].mean() > layout[front, 1].mean() + 40.0
+
+
+def cap() -> Mesh:
+    """More than half of a ball, the same from four sides: which point is nearest to its middle is left to rounding."""
+    at = np.arange(-9.5, 10.0)
+    x, y = (each.ravel() for each in np.meshgrid(at, at))
+    away = np.maximum(np.abs(x), np.abs(y)) / 9.5
+    around = np.arctan2(y, x)
+    polar = 2.2 * away
+    points = 30.0 * np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=1)
+    return Mesh(points, grid_triangles(20, 20))
+
+
+@pytest.mark.parametrize("mesh", [nose(spacing=2.0, noise=0.1), cap()], ids=["nose", "cap"])
+def test_a_layout_does_not_depend_on_how_a_processor_rounds(mesh: Mesh) -> None:
+    layout = flatten(mesh.points, mesh.triangles)
+    noise = np.random.default_rng(3).standard_normal(mesh.points.shape)
+    otherwise = flatten(mesh.points * (1.0 + 1e-14 * noise), mesh.triangles)
+    assert np.abs(otherwise - layout).max() < 2e-4  # the last decimal, at most
+    assert (otherwise == layout).mean() > 0.999
+
+
+def test_an_injective_layout_has_the_least_energy_of_all_near_it() -> None:
+    mesh = nose(spacing=4.0)
+    layout = injective_layout(mesh.points, mesh.triangles)
+
+    def energy(at: NDArray[np.float64]) -> float:
+        corners, flat = mesh.points[mesh.triangles], at[mesh.triangles]
+        true = corners[:, 1:] - corners[:, :1]  # edges as rows, (m, 2, 3)
+        metric = true @ true.swapaxes(1, 2)
+        laid = flat[:, 1:] - flat[:, :1]
+        inverse = np.linalg.inv(metric)
+        square = np.trace(inverse @ laid @ laid.swapaxes(1, 2), axis1=1, axis2=2)  # trace of JᵀJ
+        ratio = np.linalg.det(laid) ** 2 / np.linalg.det(metric)
+        return float((0.5 * np.sqrt(np.linalg.det(metric)) * square * (1.0 + 1.0 / ratio)).sum())
+
+    least, random = energy(layout), np.random.default_rng(5)
+    for size in (1e-1, 1e-2, 1e-3):
+        way = size * random.standard_normal(layout.shape)
+        more, less = energy(layout + way) - least, energy(layout - way) - least
+        assert min(more, less) > 0.0
+        if size < 0.1:
+            # A slope would lower one side by what it adds to the other; this leaves the third derivative alone.
+            assert abs(more - less) < 20.0 * size * (more + less)

@@ -15,7 +15,9 @@ from lappet.geometry.triangles import areas
 _ROUNDS = 400
 _LEAST_AREA = 0.02  # of a triangle's: one that is smaller in the plane counts as turned over
 _KEPT = 0.4  # of the patch's reach: lengths matter within, and less and less beyond
-_MIDDLE = 0.1  # of the points, those nearest to the middle: there a second layout is placed as the first
+_MIDDLE = 0.1  # of the points, those nearest to the middle: there a layout without turned triangles is placed
+_ALIKE = 1e-6  # relative: the two halves of a symmetric patch differ by less, for rounding alone
+_DECIMALS = 4  # in mm: processors that round differently differ by a millionth of the last
 
 
 def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -24,8 +26,8 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
     The patch is laid out by the azimuthal equidistant projection of the sphere that fits it best, seen from its middle;
     then springs along the edges relax towards their true lengths. Where that turns triangles over, as at a nose, the
     patch is laid out without (`lappet.geometry.injective_layout`), if it has a border and no handle; lengths are kept
-    best near its middle. x runs along the
-    widest direction of the coordinate axes, y to its left seen from outside.
+    best near its middle, and coordinates are rounded to 0.0001 mm, so that they are the same on every machine. x runs
+    along the widest direction of the coordinate axes, y to its left seen from outside.
 
     Parameters
     ----------
@@ -42,8 +44,8 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
     corner = corner_normals(points, triangles)
     axis = corner.reshape(-1, 3).sum(axis=0)
     axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
-    apex = points[int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmin())]
-    wide = np.eye(3)[int((np.ptp(points, axis=0) * (1.0 - axis**2)).argmax())]
+    apex = points[_first_least(np.linalg.norm(points - points.mean(axis=0), axis=1))]
+    wide = np.eye(3)[_first_least(-np.ptp(points, axis=0) * (1.0 - axis**2))]
     first = wide - np.dot(wide, axis) * axis
     first /= np.linalg.norm(first)
     frame = np.stack([first, np.cross(axis, first)])
@@ -53,14 +55,14 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
     chord = np.linalg.norm(offset, axis=1)
     radius = _sphere_radius(points)
     arc = 2.0 * radius * np.arcsin(np.clip(chord / (2.0 * radius), 0.0, 1.0))
-    uv = flat * (arc / np.maximum(np.linalg.norm(flat, axis=1), 1e-300))[:, None]
+    seen = flat * (arc / np.maximum(np.linalg.norm(flat, axis=1), 1e-300))[:, None]
 
     edges = unique_edges(directed_edges(triangles))[0]
     a, b = np.ascontiguousarray(edges.T)
     length = np.linalg.norm(points[a] - points[b], axis=1)
     weight = 1.0 / np.maximum(length, 1e-9 * length.max())
     total = np.bincount(a, weight, len(points)) + np.bincount(b, weight, len(points))
-    u, v = np.ascontiguousarray(uv[:, 0]), np.ascontiguousarray(uv[:, 1])
+    u, v = np.ascontiguousarray(seen[:, 0]), np.ascontiguousarray(seen[:, 1])
     stiff = 0.5 * weight
     for _ in range(_ROUNDS):
         across, up = u[b] - u[a], v[b] - v[a]
@@ -70,7 +72,12 @@ def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
         u = u + 1.6 * (np.bincount(a, along, len(u)) - np.bincount(b, along, len(u))) / total
         v = v + 1.6 * (np.bincount(a, upward, len(v)) - np.bincount(b, upward, len(v))) / total
     uv = np.stack([u, v], axis=1)
-    return np.asarray(uv) if _whole(uv, points, triangles) else _without_turned(uv, chord, points, triangles)
+    return np.asarray(uv) if _whole(uv, points, triangles) else _without_turned(seen, uv, chord, points, triangles)
+
+
+def _first_least(values: NDArray[np.float64]) -> int:
+    """The first of the values that is the least one but for rounding."""
+    return int((values <= values.min() + _ALIKE * np.abs(values).max()).argmax())
 
 
 def _whole(uv: NDArray[np.float64], points: NDArray[np.float64], triangles: NDArray[np.int64]) -> bool:
@@ -78,9 +85,17 @@ def _whole(uv: NDArray[np.float64], points: NDArray[np.float64], triangles: NDAr
 
 
 def _without_turned(
-    uv: NDArray[np.float64], away: NDArray[np.float64], points: NDArray[np.float64], triangles: NDArray[np.int64]
+    seen: NDArray[np.float64],
+    uv: NDArray[np.float64],
+    away: NDArray[np.float64],
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """A layout without turned triangles, placed as `uv` is near the middle, from which the points are `away` (n,)."""
+    """A layout without turned triangles where there is one, else `uv`.
+
+    It is placed as the projection `seen` is near the middle, from which the points are `away` (n,). Springs that fold
+    never settle, so where they are in the end depends on how a processor rounds.
+    """
     edges, _, uses = unique_edges(directed_edges(triangles))
     parts = int(parts_of(triangles, len(points)).max()) + 1
     # Euler's characteristic of a disc with holes: 2 less one for each border.
@@ -91,11 +106,13 @@ def _without_turned(
     layout = injective_layout(points, triangles, 1.0 / (1.0 + (far / _KEPT) ** 4))
     if not (signed_areas(layout, triangles) > 0.0).all():
         return uv
-    near = away <= np.quantile(away, _MIDDLE)
-    middle, before = layout[near].mean(axis=0), uv[near].mean(axis=0)
-    u, _, v = np.linalg.svd((layout[near] - middle).T @ (uv[near] - before))
+    near = away <= np.quantile(away, _MIDDLE) * (1.0 + _ALIKE)
+    middle, before = layout[near].mean(axis=0), seen[near].mean(axis=0)
+    u, _, v = np.linalg.svd((layout[near] - middle).T @ (seen[near] - before))
     turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ v))]) @ v
-    return np.asarray((layout - middle) @ turn + before)
+    layout = (layout - middle) @ turn + before
+    rounded = np.round(layout, _DECIMALS)
+    return np.asarray(rounded if (signed_areas(rounded, triangles) > 0.0).all() else layout)
 
 
 def _sphere_radius(points: NDArray[np.float64]) -> float:

@@ -1,34 +1,35 @@
 """Lay a patch of skin out in the plane so that no triangle turns over, whatever its shape.
 
-Notation: U, the layout, (n, 2); J, the 2 x 2 gradient of U over a triangle laid flat; A, the triangle's area. The start
-is Tutte's embedding (1963): the longest border becomes a circle, holes are closed by a vertex each, and every other
-vertex is a mean of its neighbors, which turns none over. From there the symmetric Dirichlet energy
+Notation: U, the layout, (n, 2); J, the 2 x 2 gradient of U over a triangle laid flat; A, the triangle's area; d, the
+determinant of J; C, its cofactors, the derivative of d. The start is Tutte's embedding (1963): the longest border
+becomes a circle, holes are closed by a vertex each, and every other vertex is a mean of its neighbors, which turns none
+over. From there the symmetric Dirichlet energy
 
-    E = sum of A (‖J‖² + ‖J⁻¹‖²)
+    E = sum of A (‖J‖² + ‖J⁻¹‖²),    ‖J⁻¹‖² = ‖J‖² / d²
 
 is lowered. It is least where lengths are kept and infinite where a triangle is turned over; steps end before the first
-one is (Smith and Schaefer 2015). The steps are those of L-BFGS with the patch's Laplacian as the first Hessian.
+one is (Smith and Schaefer 2015). They are Newton's. Where E is not convex, its Hessian is made so triangle by triangle:
+of its four eigenvalues only that of the twist can be negative (Smith, de Goes and Kim 2019). The last steps are taken
+with the Hessian as it is, until the layout stands still: how a processor rounds sums then makes no difference to it.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.border_loops import border_loops, perimeter
+from lappet.geometry.sparse_cholesky import Elimination
 from lappet.geometry.surface_check import directed_edges, unique_edges
 
-_MOST_STEPS = 200
-_DONE = 1e-4  # relative decrease of the energy over _PATIENCE steps at which it is low enough
-_PATIENCE = 5
-_MEMORY = 8  # steps that L-BFGS remembers
+_MOST_STEPS = 100
+_STILL = 1e-9  # of the patch's size: a step of Newton's that moves no vertex farther is the last
+_CONVEX = (0.0, 0.01, 0.1, 1.0)  # shares of what makes the Hessian convex; tried from one below the last that did
 _SHORT = 0.9  # of the way to where a triangle would have no area
-_SOLVED, _MOST_ROUNDS = 1e-2, 200  # relative residual and rounds of a solve with the Laplacian
-_CLUSTERS = 250  # that its preconditioner has, about
 _ENOUGH = 1e-4  # of the decrease that the gradient promises (Armijo)
+_ROUNDED = 1e-13  # of the energy: what adding it up loses
 
 Layout = NDArray[np.float64]
 
@@ -78,47 +79,53 @@ def injective_layout(
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     layout = layout * np.sqrt(float(area.sum()) / max(size, 1e-300))
     energy = _Energy.of(points, triangles, np.ones(len(triangles)) if weights is None else weights)
+    elimination = Elimination.of(points, energy.pairs)
+    still = _STILL * float(np.ptp(points, axis=0).max())
     value, gradient = energy.at(layout)
-    if not np.isfinite(value):  # a handle, or an edge across that Tutte's embedding makes flat
-        return layout
-    steps: deque[tuple[Layout, Layout]] = deque(maxlen=_MEMORY)
-    values = [value]
+    level = len(_CONVEX)
     for _ in range(_MOST_STEPS):
-        direction = -_product(energy, steps, gradient)
+        if not np.isfinite(value):  # a handle, or an edge across that Tutte's embedding makes flat
+            break
+        direction, level = _newton_step(energy, elimination, layout, gradient, max(level - 1, 0))
         slope = float((direction * gradient).sum())
-        if slope >= 0.0:
-            steps.clear()
-            direction = -energy.laplacian.solve(gradient)
-            slope = float((direction * gradient).sum())
         length = min(1.0, _SHORT * _room(layout, direction, triangles))
+        allowed = _ROUNDED * value
         while True:
             following = layout + length * direction
             lower, ahead = energy.at(following)
-            if lower <= value + _ENOUGH * length * slope or length < 1e-12:
+            if lower <= value + _ENOUGH * length * slope + allowed or length < 1e-12:
                 break
             length *= 0.5
-        if not lower < value:
+        if not lower <= value + allowed:
             break
-        steps.append((following - layout, ahead - gradient))
         layout, value, gradient = following, lower, ahead
-        values.append(value)
-        if len(values) > _PATIENCE and values[-_PATIENCE - 1] - value < _DONE * value:
+        if level == 0 and length == 1.0 and float(np.abs(direction).max()) <= still:
             break
     return layout
 
 
-def _product(energy: _Energy, steps: deque[tuple[Layout, Layout]], gradient: Layout) -> Layout:
-    """The approximate inverse Hessian times the gradient, by the two loops of L-BFGS."""
-    vector = gradient.copy()
-    shares = []
-    for step, change in reversed(steps):
-        share = float((step * vector).sum()) / max(float((step * change).sum()), 1e-300)
-        shares.append(share)
-        vector -= share * change
-    vector = energy.laplacian.solve(vector)
-    for (step, change), share in zip(steps, reversed(shares), strict=True):
-        vector += (share - float((change * vector).sum()) / max(float((step * change).sum()), 1e-300)) * step
-    return vector
+def _newton_step(
+    energy: _Energy, elimination: Elimination, layout: Layout, gradient: Layout, level: int
+) -> tuple[Layout, int]:
+    """The step, and at which of the levels of convexity from this one on the Hessian is positive definite.
+
+    A layout may be moved and turned at no cost: springs hold one vertex, and keep the farthest from turning about it.
+    They change nothing of the step but that.
+    """
+    curvature, twist = energy.curvature(layout)
+    away = layout - layout[0]
+    far = int(np.linalg.norm(away, axis=1).argmax())
+    across = np.array([-away[far, 1], away[far, 0]]) / max(float(np.linalg.norm(away[far])), 1e-300)
+    for share in _CONVEX[level:]:
+        blocks = energy.assembled(curvature + share * twist if share else curvature)
+        stiff = float(np.abs(blocks).mean())
+        blocks[energy.diagonal[0]] += stiff * np.eye(2)
+        blocks[energy.diagonal[far]] += stiff * np.outer(across, across)
+        factor = elimination.factor(blocks)
+        if factor is not None:
+            return -factor.solve(gradient), level
+        level += 1
+    return -gradient, level
 
 
 def _room(layout: Layout, direction: Layout, triangles: NDArray[np.int64]) -> float:
@@ -147,7 +154,9 @@ class _Energy:
     corner: NDArray[np.int64]  # (3, m)
     area: NDArray[np.float64]
     across: NDArray[np.float64]  # (3, 2, m): J = sum over corners of U ⊗ across
-    laplacian: _Laplacian
+    pairs: NDArray[np.int64]  # vertices that share a triangle, in both orders, and each with itself, (k, 2)
+    of_corners: NDArray[np.int64]  # which of the pairs those of each triangle's corners are, (9 m,)
+    diagonal: NDArray[np.int64]  # which pair each vertex is with itself, (n,)
 
     @staticmethod
     def of(points: NDArray[np.float64], triangles: NDArray[np.int64], importance: NDArray[np.float64]) -> _Energy:
@@ -162,9 +171,13 @@ class _Energy:
         inverse = np.stack([np.stack([1.0 / length, zero], 1), np.stack([-x / (length * y), 1.0 / y], 1)], axis=1)
         across = np.concatenate([-inverse.sum(axis=2)[:, None], inverse.swapaxes(1, 2)], axis=1)
         area = 0.5 * length * y * importance
-        weights = -np.stack([np.einsum("ij,ij->i", across[:, k], across[:, (k + 1) % 3]) for k in range(3)])
         corner, columns = np.ascontiguousarray(triangles.T), np.ascontiguousarray(across.transpose(1, 2, 0))
-        return _Energy(triangles, corner, area, columns, _Laplacian.of(triangles, weights * area, points))
+        size = len(points)
+        key = (corner[:, None] * size + corner[None, :]).reshape(-1)
+        names, of_corners = np.unique(np.concatenate([key, np.arange(size) * (size + 1)]), return_inverse=True)
+        pairs = np.stack([names // size, names % size], axis=1)
+        of_corners = of_corners.reshape(-1)
+        return _Energy(triangles, corner, area, columns, pairs, of_corners[: len(key)], of_corners[len(key) :])
 
     def at(self, layout: Layout) -> tuple[float, Layout]:
         """The energy, infinite where a triangle is turned over, and its gradient (n, 2)."""
@@ -193,83 +206,37 @@ class _Energy:
             gradient[:, k] = np.bincount(flat, each.reshape(-1), len(layout))
         return value, gradient
 
+    def curvature(self, layout: Layout) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The Hessian by J of each triangle, (2, 2, 2, 2, m), and what makes it positive semidefinite."""
+        jacobian = np.zeros((2, 2, len(self.area)))
+        for c, a in zip(self.corner, self.across, strict=True):
+            jacobian += layout[c].T[:, None] * a[None]
+        (xx, xy), (yx, yy) = jacobian
+        cofactors = np.array([[yy, -yx], [-xy, xx]])
+        d, s = xx * yy - xy * yx, (jacobian * jacobian).sum(axis=(0, 1))
+        mixed = jacobian[:, :, None, None] * cofactors
+        found = -4.0 / d**3 * (mixed + mixed.transpose(2, 3, 0, 1, 4))
+        found += 6.0 * s / d**4 * cofactors[:, :, None, None] * cofactors
+        for i, j in np.ndindex(2, 2):
+            found[i, j, i, j] += 2.0 + 2.0 / d**2
+            found[i, j, 1 - i, 1 - j] -= (1.0 if i == j else -1.0) * 2.0 * s / d**3
+        # The twist turns the rotation that J holds by a right angle; its eigenvalue is 2 - 2 (s - d) / d³.
+        cosine, sine = xx + yy, yx - xy
+        size = np.maximum(np.sqrt(2.0 * (cosine * cosine + sine * sine)), 1e-300)
+        twist = np.array([[-sine, -cosine], [cosine, -sine]]) / size
+        lacking = np.maximum(2.0 * (s - d) / d**3 - 2.0, 0.0)
+        return self.area * found, self.area * lacking * twist[:, :, None, None] * twist
 
-@dataclass(frozen=True, eq=False)
-class _Laplacian:
-    """A weighted Laplacian of the edges; solved by conjugate gradients, up to a constant.
-
-    The preconditioner adds what single vertices give and what clusters of them give that move as one.
-    """
-
-    ends: NDArray[np.int64]  # of the edges, (2, e)
-    weights: NDArray[np.float64]
-    diagonal: NDArray[np.float64]
-    cluster: NDArray[np.int64]
-    coarse: NDArray[np.float64]  # the inverse of the clusters' Laplacian
-
-    @staticmethod
-    def of(triangles: NDArray[np.int64], weights: NDArray[np.float64], points: NDArray[np.float64]) -> _Laplacian:
-        """Of weights (3, m) of the triangles' edges 01, 12 and 20, each at least a little above 0."""
-        edges, inverse, _ = unique_edges(directed_edges(triangles))
-        total: NDArray[np.float64] = np.bincount(inverse, 2.0 * weights.reshape(-1), len(edges)).astype(np.float64)
-        total = np.maximum(total, 0.05 * float(np.median(np.abs(total))))
-        cluster = _clusters(points)
-        count = int(cluster.max()) + 1
-        one, two = cluster[edges].T
-        matrix = np.zeros((count, count))
-        np.add.at(matrix, (one, two), -total)
-        np.add.at(matrix, (two, one), -total)
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        coarse = np.linalg.pinv(matrix, rcond=1e-10, hermitian=True)
-        return _Laplacian(np.ascontiguousarray(edges.T), total, _degree(edges, total, len(points)), cluster, coarse)
-
-    def _conditioned(self, rest: Layout) -> Layout:
-        sums = np.stack([np.bincount(self.cluster, each, len(self.coarse)) for each in rest.T], axis=1)
-        return np.asarray(
-            rest / np.maximum(self.diagonal, 1e-300)[:, None] + np.take(self.coarse @ sums, self.cluster, axis=0)
-        )
-
-    def times(self, values: Layout) -> Layout:
-        a, b = self.ends
-        product = np.empty_like(values)
-        for k, column in enumerate(values.T):
-            column = np.ascontiguousarray(column)
-            flow = self.weights * (column[a] - column[b])
-            product[:, k] = np.bincount(a, flow, len(values)) - np.bincount(b, flow, len(values))
-        return product
-
-    def solve(self, right: Layout) -> Layout:
-        right = right - right.mean(axis=0)
-        found, rest = np.zeros_like(right), right.copy()
-        enough = _SOLVED * float(np.linalg.norm(right))
-        ahead = self._conditioned(rest)
-        size = float((rest * ahead).sum())
-        way = ahead
-        for _ in range(_MOST_ROUNDS):
-            if float(np.linalg.norm(rest)) <= enough:
-                break
-            product = self.times(way)
-            step = size / max(float((way * product).sum()), 1e-300)
-            found += step * way
-            rest -= step * product
-            ahead = self._conditioned(rest)
-            before, size = size, float((rest * ahead).sum())
-            way = ahead + size / max(before, 1e-300) * way
-        return found - found.mean(axis=0)
-
-
-def _clusters(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The cluster of each vertex: those in one cell of a grid."""
-    low = points.min(axis=0)
-    size = float(np.ptp(points, axis=0).max())
-    for parts in range(8, 1000, 4):
-        place = np.floor((points - low) * (parts / size)).astype(np.int64)
-        key = (place[:, 0] * (parts + 1) + place[:, 1]) * (parts + 1) + place[:, 2]
-        names, cluster = np.unique(key, return_inverse=True)
-        if len(names) >= min(_CLUSTERS, len(points) // 2):
-            break
-    return cluster.reshape(-1)
+    def assembled(self, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The Hessian by the layout: a block (2, 2) for each of the pairs."""
+        a = self.across
+        rows = [curvature[None, :, p] * a[:, p, None, None, None] for p in (0, 1)]
+        half = rows[0] + rows[1]  # (3, 2, 2, 2, m)
+        columns = [half[:, None, :, :, q] * a[None, :, q, None, None] for q in (0, 1)]
+        whole = columns[0] + columns[1]  # (3, 3, 2, 2, m)
+        size = len(self.pairs)
+        each = [np.bincount(self.of_corners, whole[:, :, i, j].reshape(-1), size) for i, j in np.ndindex(2, 2)]
+        return np.stack(each, axis=1).reshape(size, 2, 2).astype(np.float64)
 
 
 def _degree(edges: NDArray[np.int64], weights: NDArray[np.float64], size: int) -> NDArray[np.float64]:
