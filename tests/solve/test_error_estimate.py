@@ -240,6 +240,10 @@ def test_coarse_frames_that_are_doubted_are_looked_into_with_their_states(
     far = replace(frames[0], solved=replace(frames[0].solved, points=frames[0].solved.points + np.float32(9.0)))
     estimate_errors(program, [far], store, solver.connect, "fake")
     assert [frame.state is not None for frame in asked.values()] == [True]
+    asked.clear()  # where tissue touches itself its shape passes through itself on the coarse lattice
+    touching = replace(far.solved, diagnostics=replace(far.solved.diagnostics, self_contacts=3))
+    estimate_errors(program, [replace(far, solved=touching)], store, solver.connect, "fake")
+    assert not asked
 
 
 def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bone_more() -> None:

@@ -199,8 +199,13 @@ def estimate_errors(
         frame_error(frame.solved, compared[index], skins[frame.constraints.epoch], order, spacing)
         for index, frame in enumerate(frames)
     ]
-    # A coarse frame on another branch is no measure of the lattice: that on the frame's own branch is.
-    doubted = {index: frames[index].solved for index, error in enumerate(errors) if error and not error.is_trusted}
+    # A coarse frame on another branch is no measure of the lattice: that on the frame's own branch is. Where tissue
+    # touches itself there is none to be found, as the fine frame's shape passes through itself on the coarse lattice.
+    doubted = {
+        index: frames[index].solved
+        for index, error in enumerate(errors)
+        if error and not error.is_trusted and not frames[index].solved.diagnostics.self_contacts
+    }
     coarse = {index: kept for index in doubted if (kept := _with_state(solved.frames, index, store)) is not None}
     for index, branch in other_branches(partner, doubted, coarse, connect).items():
         compared[index] = branch.frame
