@@ -119,6 +119,26 @@ def test_the_text_of_an_error_is_made_of_its_problems() -> None:
     assert [each.value for each in error.problems] == ["", "3"]
 
 
+class Whatever:
+    """A field of any kind."""
+
+    def __format__(self, how: str) -> str:
+        return "1"
+
+    def __repr__(self) -> str:
+        return "1"
+
+
+@pytest.mark.parametrize("code", list(ProblemCode), ids=str)
+def test_where_it_is_is_said_before_the_sentence_unless_the_sentence_says_it(code: ProblemCode) -> None:
+    text = catalogue()[code]
+    others = dict.fromkeys((fields(text.message) | fields(text.remedy)) - {"prim", "value"}, Whatever())
+    made = problem(code, "/here/it.is", Whatever(), **others)
+    said = f"{made.message} {made.remedy}".strip()
+    assert "/here/it.is" in str(made)
+    assert str(made) == (said if "/here/it.is" in made.message else f"/here/it.is: {said}")
+
+
 @pytest.mark.parametrize(
     "kind", [RefusedError, FrameRefusedError, DaemonMissing, DaemonDied, WireError, CodecError, UsdMissingError]
 )

@@ -76,7 +76,7 @@ def write_request(request: CacheRequest, path: Path) -> Path:
     from lappet.program.compile import compile_program
 
     if path.suffix not in SUFFIXES:
-        raise refused(ProblemCode.USD_SUFFIX, path, path.suffix, name=path.name, known=", ".join(SUFFIXES))
+        raise refused(ProblemCode.USD_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     program = compile_program(request.procedure, settings=replace(request.settings, spacing=0.0))
     keys = frame_keys(program, request.identity)
     frames = _stored(program, keys, request.store)

@@ -51,10 +51,14 @@ def compare(
         from rich.table import Table
 
         from lappet.core.durable import write_whole
+        from lappet.core.output_place import check_place
         from lappet.output.comparison import compared, comparison_rows
         from lappet.output.comparison_figure import plot_comparison
         from lappet.usd.cache_end import read_cache_end
 
+        for path in (picture, table, plate):
+            if path is not None:
+                check_place(path)
         columns = [compared(cache.stem, read_cache_end(cache, limits)) for cache in caches]
         rows = comparison_rows(columns)
         shown = Table(box=box.SIMPLE_HEAD)

@@ -93,8 +93,11 @@ def show_design(
         from rich.console import Console
         from rich.table import Table
 
+        from lappet.core.output_place import check_place
         from lappet.designs.library import library_design
 
+        if picture is not None:
+            check_place(picture)
         design = library_design(name)
         table = Table(box=box.SIMPLE_HEAD)
         for heading in ("measure", "default", "range", "what it is", "source"):
@@ -180,8 +183,9 @@ def add(
             landmark_place,
             skin_line_direction,
         )
-        from lappet.usd.stage import read_procedure, write_procedure
+        from lappet.usd.stage import check_usd_place, read_procedure, write_procedure
 
+        check_usd_place(output)
         if procedure is None:
             made = flap_on_patch(name, dict(measures), mirrored=mirrored, spacing=spacing or SPACING)
         else:
@@ -247,8 +251,9 @@ def edit(
     with sentences(context):
         from lappet.checks.narrow_flaps import narrow_flaps
         from lappet.designs.laid_flaps import by_hand, changed_flap, laid_flap, relay
-        from lappet.usd.stage import read_procedure, write_procedure
+        from lappet.usd.stage import check_usd_place, read_procedure, write_procedure
 
+        check_usd_place(output)
         given = read_procedure(procedure, limits=limits)
         changed = changed_flap(
             given,

@@ -47,7 +47,7 @@ def _write_template(caches: tuple[Path, ...], template: Path, limits: ReadLimits
     if template.exists():
         raise click.UsageError(f"{template} is there already; choose another name.")
     from lappet.core.durable import write_whole
-    from lappet.export.formats import check_place
+    from lappet.core.output_place import check_place
     from lappet.lessons.plan_template import plan_template
 
     check_place(template)

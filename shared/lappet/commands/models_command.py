@@ -107,8 +107,9 @@ def new(
 
         from lappet.models.model_choice import ModelChoice
         from lappet.models.new_model import new_model
-        from lappet.usd.stage import write_procedure
+        from lappet.usd.stage import check_usd_place, write_procedure
 
+        check_usd_place(output)
         shape = _shape(name, age, sex, weight, targets)
         procedure = new_model(name, ModelChoice(shape, skin, laxity, spacing, scenery, excision, deep, reach))
         tissue = replace(with_gravity(procedure.tissue, position, gravity), self_contact=self_contact)

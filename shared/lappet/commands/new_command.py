@@ -61,6 +61,7 @@ def new(
         from dataclasses import replace
 
         from lappet.commands.report_table import print_report
+        from lappet.core.output_place import check_place
         from lappet.core.problem import refused
         from lappet.core.problem_code import ProblemCode
         from lappet.output.mesh_picture import mesh_picture
@@ -70,8 +71,11 @@ def new(
         from lappet.tissue.mesh_repair import weld
         from lappet.tissue.outline_file import read_outline
         from lappet.tissue.tissue_from_mesh import new_tissue
-        from lappet.usd.stage import write_procedure
+        from lappet.usd.stage import check_usd_place, write_procedure
 
+        check_usd_place(output)
+        if picture is not None:
+            check_place(picture)
         if (at is None) != (radius is None):
             raise refused(ProblemCode.REGION_AT_AND_RADIUS, mesh.name)
         tissue, report = new_tissue(

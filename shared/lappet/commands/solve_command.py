@@ -13,6 +13,7 @@ from lappet.commands.parameters import FILE, FrameRange
 from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.commands.solve_options import is_given, solve_options
+from lappet.core.output_place import check_place
 from lappet.foreign.limits import ReadLimits
 from lappet.program.settings import SolverSettings
 from lappet.usd.procedure_file import ProcedureFile
@@ -75,6 +76,7 @@ def solve(
     if share is not None and options["daemon"] is None:
         raise click.UsageError("--share is of no use without --daemon: nobody else reaches a daemon of your own.")
     with sentences(context):
+        _check_places(report_path, (forces_path, hooks_path, seams_path, reactions_path, sections_path))
         reading = context.with_resource(ProcedureFile(procedure, limits))  # it runs while the rest is loaded
         from lappet.commands.run_solve import run_solve, run_to_target, summary, write_tables
 
@@ -102,6 +104,15 @@ def solve(
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)
+
+
+def _check_places(report: Path | None, tables: tuple[Path | None, ...]) -> None:
+    """Refuse files that could not be written once all is solved; the report's folder is made, as by its writer."""
+    if report is not None:
+        report.absolute().parent.mkdir(parents=True, exist_ok=True)
+    for path in (report, *tables):
+        if path is not None:
+            check_place(path)
 
 
 def _lying(file: ProcedureFile, position: tuple[float, float, float] | None, gravity: float | None) -> Procedure:

@@ -80,7 +80,8 @@ class Problem:
 
     def __str__(self) -> str:
         said = f"{self.message} {self.remedy}".strip()
-        return f"{printable(self.prim)}: {said}" if self.prim else said
+        named = not self.prim or problem_text.text_of(self.code).names_prim
+        return said if named else f"{printable(self.prim)}: {said}"
 
 
 class ProblemsError(Exception):

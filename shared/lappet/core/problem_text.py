@@ -6,6 +6,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from string import Formatter
 from typing import Literal
 
 from lappet.core.problem_code import ProblemCode
@@ -37,6 +38,11 @@ class ProblemText:
     remedy: str
     severity: Severity = "error"
     advice: str = ""
+
+    @property
+    def names_prim(self) -> bool:
+        """Whether the message itself says which prim or file it is about."""
+        return any(field == "prim" for _, field, _, _ in Formatter().parse(self.message))
 
 
 @cache

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lappet.core.durable import write_whole
+from lappet.core.output_place import check_place
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.export.formats import check_place
 from lappet.export.lesson_delivery import DELIVERIES, delivered
 from lappet.export.viewer_program import viewer_program
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits

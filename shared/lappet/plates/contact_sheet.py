@@ -9,6 +9,7 @@ from pathlib import Path
 from PIL import Image, ImageDraw, ImageFont
 
 from lappet.core.durable import write_whole
+from lappet.core.output_place import check_place
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.page_ground import PageGround
@@ -45,6 +46,7 @@ def check_sheet(path: Path) -> str:
         raise refused(ProblemCode.PLATE_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     if not path.absolute().parent.is_dir():
         raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
+    check_place(path)
     return suffix
 
 

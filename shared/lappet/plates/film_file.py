@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lappet.core.durable import write_whole
+from lappet.core.output_place import check_place
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
@@ -58,6 +59,7 @@ def check_film(path: Path, size: tuple[int, int], transparent: bool = False) -> 
         raise refused(ProblemCode.FILM_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     if not path.parent.is_dir():
         raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
+    check_place(path)
     if transparent and suffix not in _ALPHA:
         raise refused(ProblemCode.FILM_ALPHA, path, path.suffix, known=", ".join(_ALPHA))
     if min(size) < 240 or size[0] % 2 or size[1] % 2 or size[0] < size[1]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lappet.core.durable import write_whole
+from lappet.core.output_place import check_place
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.plates.plate_font import PlateFont
@@ -46,6 +47,7 @@ def check_format(path: Path, profile: Path | None = None) -> str:
         raise refused(ProblemCode.PLATE_SUFFIX, path, path.suffix, known=", ".join(SUFFIXES))
     if not path.absolute().parent.is_dir():
         raise refused(ProblemCode.PLATE_FOLDER, path, path.parent)
+    check_place(path)
     if profile is not None and suffix not in (".tif", ".tiff", ".pdf"):
         raise refused(ProblemCode.PLATE_CMYK, path, path.suffix)
     if profile is not None:

@@ -19,6 +19,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from lappet.core.durable import replace_durably
+from lappet.core.output_place import check_place
 from lappet.core.problem import Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
@@ -163,6 +164,33 @@ def open_stage(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS
     return stage
 
 
+def check_usd_place(path: str | os.PathLike[str]) -> Path:
+    """Refuse a name that no layer can be written to, before the work that is to go into it.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+
+    Returns
+    -------
+    Path
+        The file, absolute.
+
+    Raises
+    ------
+    RefusedError
+        If its suffix is none of USD's, its folder is missing or cannot be written, or a folder has its name.
+    """
+    file = Path(path).resolve()
+    if file.suffix not in SUFFIXES:
+        raise refused(ProblemCode.USD_SUFFIX, file, file.suffix, known=", ".join(SUFFIXES))
+    if not file.parent.is_dir():
+        raise refused(ProblemCode.FILE_NO_FOLDER, file, file.parent)
+    check_place(file)
+    return file
+
+
 def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
     """Write a layer to a file atomically: readers see the old content or the new, never a part.
 
@@ -176,15 +204,11 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     RefusedError
-        If the suffix is another one or the folder is missing.
+        If the suffix is another one, or the folder is missing or cannot be written.
     OSError
         If the file system refuses.
     """
-    file = Path(path).resolve()
-    if file.suffix not in SUFFIXES:
-        raise refused(ProblemCode.USD_SUFFIX, file, file.suffix, name=file.name, known=", ".join(SUFFIXES))
-    if not file.parent.is_dir():
-        raise refused(ProblemCode.FILE_NO_FOLDER, file, file.parent)
+    file = check_usd_place(path)
     with tempfile.TemporaryDirectory(prefix=f".{file.stem}-", dir=file.parent) as folder:
         fresh = Path(folder) / file.name
         quiet = pxr().UsdUtils.CoalescingDiagnosticDelegate()
