@@ -75,7 +75,7 @@ def compile_program(
         prim.
     """
     settings = for_tissue(settings, procedure.tissue)
-    spacing = settings.spacing  # also says how finely the surface is divided
+    spacing = settings.spacing
     procedure = with_single_sutures(procedure, spacing)
     if epochs is None:
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
@@ -87,8 +87,7 @@ def compile_program(
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
     epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, bool(settings.self_contact))
-    loss = _tissue_loss(procedure)
-    off = loss.distance(events.anchors())
+    off = (loss := _tissue_loss(procedure)).distance(events.anchors())
     out, come_out = out_from(epochs, events.sutures)
     vessels, crossings = _vessels(procedure, epochs, spacing)
     frames: list[FrameConstraints] = []
