@@ -112,7 +112,10 @@ def test_the_profile_has_a_line_for_each_feature_that_is_on_and_one_for_all_that
     assert "needs    hooks: /Procedure/Timeline/hook; nothing to speak of" in needs
     (without,) = [line for line in lines if line.startswith("without")]
     off = without.removeprefix("without  ").split(", ")
-    assert set(off) == {name for name, on in scene_profile(BOARD).items() if not on} | {"self_contact"}
+    assert set(off) == {name for name, on in scene_profile(BOARD).items() if not on}
+    assert "self_contact" in off
+    kept_apart = replace(BOARD, tissue=replace(BOARD.tissue, self_contact=True))
+    assert "needs    self_contact: /Procedure/Tissue" in profile_lines(kept_apart)
 
 
 def test_costs_are_those_of_the_report_of_economy(tmp_path: Path) -> None:

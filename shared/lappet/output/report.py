@@ -79,7 +79,7 @@ def report(result: SolveResult) -> dict[str, Any]:
     largest = max(lattices.values(), key=lambda counts: (counts.get("cells", 0), counts.get("nodes", 0)), default={})
     profile = {
         **scene_profile(result.procedure),
-        "self_contact": False,
+        "self_contact": bool(program.settings.self_contact),
         "explicit_mesh": any(counts.get("mesh_cells", 0) > 0 for counts in lattices.values()),
         "error_estimate": result.errors is not None,
     }

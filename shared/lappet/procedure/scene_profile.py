@@ -53,8 +53,9 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
     -------
     dict[str, str]
         By feature the prims that ask for it, as text; empty for what the scene does without. `fixed` stands for faces
-        held in space, `contact` for bones; `fibers`, `muscle` and `prestretch` are of a material in use, `materials`
-        stands for more than one in use; the others are there where their prims are.
+        held in space, `contact` for bones, `self_contact` for tissue that is kept from passing through itself;
+        `fibers`, `muscle` and `prestretch` are of a material in use, `materials` stands for more than one in use; the
+        others are there where their prims are.
     """
     tissue = procedure.tissue
     materials = procedure.materials_in_use()
@@ -90,6 +91,7 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         "landmarks": events(Landmark),
         "gravity": f"{tissue.gravity:g} m/s² on /Procedure/Tissue" if tissue.has_gravity else "",
         "contact": _named(f"/Procedure/Bone/{bone.name}" for bone in procedure.bones),
+        "self_contact": "/Procedure/Tissue" if tissue.self_contact else "",
         "fibers": of_materials([material for material in materials if material.has_fibers]),
         "muscle": of_materials([material for material in materials if material.has_muscle]),
         "prestretch": of_materials([material for material in materials if material.has_prestretch]),
@@ -135,7 +137,7 @@ def profile_lines(procedure: Procedure, costs: Mapping[str, str] | None = None) 
             lines.append(f"needs    {name}: {reason}{f'; {costs[name]}' if name in costs else ''}")
     absent = [name for name, reason in reasons.items() if not reason]
     lines = lines or ["needs    nothing"]
-    lines.append(f"without  {', '.join([*absent, 'self_contact'])}")
+    lines.append(f"without  {', '.join(absent)}")
     for name, option in BY_OPTION.items():
         lines.append(f"by option  {name}: on unless {option}{f'; {costs[name]}' if name in costs else ''}")
     return lines
