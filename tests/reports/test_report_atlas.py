@@ -162,7 +162,8 @@ def test_the_page_of_a_design_that_belongs_on_a_body_shows_it_there_with_what_mo
 
 def test_what_self_contact_changes_stands_beside_what_was_measured_without_it() -> None:
     alone = page_of(model_row())
-    assert "--self-contact" not in alone
+    assert "[`--self-contact`]" not in alone
+    assert "| with `--self-contact` |" not in alone
     with_contact = model_row(newton=813, total_force=[448.0, None], overlap=0.0)
     page = page_of(model_row(), contact=(with_contact,))
     assert "40 of 40 frames converge, 813 Newton iterations in all; the picture shows that solve." in page

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import Field, dataclass, field, fields, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from lappet.procedure import Tissue
+if TYPE_CHECKING:
+    from lappet.procedure import Tissue
 
 
 @dataclass(frozen=True)
