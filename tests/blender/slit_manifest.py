@@ -143,13 +143,17 @@ def add_tissue(scene: bpy.types.Scene) -> bpy.types.Object:
     return tissue
 
 
-@pytest.fixture
-def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
-    """A scene with the slit patch solved, at frame 1."""
+def show_slit(scene: bpy.types.Scene, solved: Solved, step: float) -> bpy.types.Scene:
+    """The scene with the slit patch solved, of vertices so far apart (mm), at frame 1."""
     add_tissue(scene)
-    solved.manifests[scene.name] = slit_manifest(STEP)
+    solved.manifests[scene.name] = slit_manifest(step)
     skin_display.refresh(scene)
     return scene
+
+
+@pytest.fixture
+def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
+    return show_slit(scene, solved, STEP)
 
 
 def vertices(each: bpy.types.Object) -> NDArray[np.float32]:

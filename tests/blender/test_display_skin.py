@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lappet_blender.display import skin_display
 from lappet_blender.display.display_collection import find_collection
 from lappet_blender.display.epoch_mesh import KEY, build_epoch_mesh
-from slit_manifest import Solved, add_tissue, epoch_shape, slit, slit_manifest, solved
+from slit_manifest import Solved, add_tissue, epoch_shape, show_slit, slit, slit_manifest, solved
 
 __all__ = ["solved"]  # a fixture
 UNITS = 0.1  # the scene's unit is a centimetre
@@ -23,11 +23,7 @@ STEP = 5.0
 
 @pytest.fixture
 def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
-    """A scene with the slit patch solved, at frame 1."""
-    add_tissue(scene)
-    solved.manifests[scene.name] = slit_manifest(STEP)
-    skin_display.refresh(scene)
-    return scene
+    return show_slit(scene, solved, STEP)
 
 
 def skin(scene: bpy.types.Scene) -> bpy.types.Object:

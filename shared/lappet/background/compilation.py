@@ -25,7 +25,7 @@ from lappet.procedure import CUTS, Procedure
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
 from lappet.program.program import Program
-from lappet.program.settings import SolverSettings
+from lappet.program.settings import SolverSettings, for_tissue
 from lappet.solve.store import FrameStore
 
 _KEPT = 4
@@ -211,7 +211,7 @@ def _checked(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
 
 
 def _spaced(procedure: Procedure, settings: SolverSettings) -> Procedure:
-    spacing = settings.spacing or procedure.tissue.spacing
+    spacing = for_tissue(settings, procedure.tissue).spacing
     return replace(procedure, tissue=replace(procedure.tissue, spacing=spacing))
 
 

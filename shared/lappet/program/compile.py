@@ -75,10 +75,9 @@ def compile_program(
         prim.
     """
     settings = for_tissue(settings, procedure.tissue)
-    spacing = settings.spacing
-    procedure = with_single_sutures(procedure, spacing)
+    procedure = with_single_sutures(procedure, settings.spacing)
     if epochs is None:
-        epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
+        epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=settings.spacing)))
     materials = with_line_tension(procedure, materials_in_use(procedure))
     epochs = _with_inside(epochs, procedure, materials)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
@@ -87,9 +86,10 @@ def compile_program(
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
     epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times, bool(settings.self_contact))
-    off = (loss := _tissue_loss(procedure)).distance(events.anchors())
+    loss = _tissue_loss(procedure)
+    off = loss.distance(events.anchors())
     out, come_out = out_from(epochs, events.sutures)
-    vessels, crossings = _vessels(procedure, epochs, spacing)
+    vessels, crossings = _vessels(procedure, epochs, settings.spacing)
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
@@ -105,7 +105,7 @@ def compile_program(
             acting = {**events.arrays(time, anchors_of), "activation": activation(materials, time)}
             acting["bone_motion"] = moved_bones[time]
             frames.append(FrameConstraints(float(time), epoch.index, **acting))
-    crossed = crossed_sutures(epochs, frames, events.sutures, spacing)
+    crossed = crossed_sutures(epochs, frames, events.sutures, settings.spacing)
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),

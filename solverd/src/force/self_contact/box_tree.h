@@ -63,7 +63,7 @@ class BoxTree {
 
  private:
   static constexpr Index kLeafSize = 4, kPartSize = 256;
-  static constexpr float kRounding = 1e-4F;  // mm, of differences of places and ways
+  static constexpr float kRounding = 1e-4F;  // mm: more than differences of places and ways lose within two meters
 
   // The triangles order_[first] to order_[last - 1]. A node is followed by the half that comes first; `next` is the
   // other one, -1 in a leaf.
