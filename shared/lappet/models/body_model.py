@@ -17,7 +17,7 @@ from lappet.models.model import Model
 from lappet.models.model_choice import REACH_RANGE, SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
 from lappet.models.model_sheet import model_sheet
 from lappet.models.skin_line_plans import lines_on
-from lappet.models.subunits import subunits
+from lappet.models.subunits import UNITS, subunits
 from lappet.models.trial_excision import with_excision
 from lappet.models.vessel_plans import vessels_on
 from lappet.procedure import Material, Procedure
@@ -67,8 +67,8 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
         moved = skin.cleft(model.cleft, tissue.points)
         tissue = replace(tissue, points=moved.astype(np.float32).astype(np.float64), subsets=free)
         skin = replace(skin, points=tissue.points[: len(skin.points)])  # the skin's vertices are the tissue's first
-    if model.face:  # the skin's triangles are the tissue's first
-        tissue = replace(tissue, subsets={**tissue.subsets, **subunits(skin)})
+    if model.units:  # the skin's triangles are the tissue's first
+        tissue = replace(tissue, subsets={**tissue.subsets, **subunits(skin, UNITS[model.units])})
     support = BEDS[model.bed]
     procedure = Procedure(
         replace(tissue, bed_stiffness=round(support.normal, _DIGITS), bed_shear=round(support.shear, _DIGITS)),

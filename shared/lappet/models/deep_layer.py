@@ -81,6 +81,21 @@ DEEP_LAYERS = {
         Depth(0.55, "Dhong 2002", "of the lateral crura; the upper cartilages are taken to be as thick"),
         subunits=("nasal_tip", "columella", "nasal_sidewall_left", "nasal_sidewall_right"),
     ),
+    "ear": DeepLayer(
+        "the cartilage of the auricle",
+        CARTILAGE.material,
+        Depth(1.2, "Brockhoff 2014", "of the concha, the mean of both sexes; the rest is taken to be as thick"),
+        within=True,
+        subunits=(
+            "helix_left",
+            "scapha_left",
+            "triangular_fossa_left",
+            "antihelix_left",
+            "concha_left",
+            "tragus_left",
+            "antitragus_left",
+        ),
+    ),
     "lips": DeepLayer(
         "the orbicularis of the mouth",
         _muscle("orbicularis_oris"),
