@@ -11,7 +11,7 @@ from lappet.models.body_scenery import body_scenery
 from lappet.models.body_shape import BodyShape
 from lappet.models.body_surface import body_surface
 from lappet.models.cleft import in_lip
-from lappet.models.deep_layer import deep_layer, with_deep_layer
+from lappet.models.deep_layer import deep_layer, trial_of, with_deep_layer
 from lappet.models.landmarks import cleft_landmarks, landmarks_on
 from lappet.models.model import Model
 from lappet.models.model_choice import REACH_RANGE, SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
@@ -83,7 +83,8 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     procedure = skin_over_fat(procedure, thickness, _skin_material(model, laxity), FAT.material)
     if layer is not None:
         procedure = with_deep_layer(procedure, layer, whole - layer.depth.mm)
-    return with_excision(procedure, model.trial, skin.carried([model.trial.at])[0][0]) if choice.excision else procedure
+    trial = trial_of(model, layer)
+    return with_excision(procedure, trial, skin.carried([trial.at])[0][0]) if choice.excision else procedure
 
 
 def usual_shape(model: Model) -> BodyShape:
