@@ -222,7 +222,7 @@ class FrameSearch {
       found_.state.return_to_rest();
     }
     begin_self_contact(found_.state.u);
-    epoch_.preconditioner.restart();
+    if (!settings_.live || attempt.from_rest || attempt.load_steps > 1) epoch_.preconditioner.restart();
     found_.effort.load_steps = attempt.load_steps;
     options_.neighborhood_first =
         settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
