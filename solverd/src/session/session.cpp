@@ -70,6 +70,7 @@ class TypedSession : public Session::Implementation {
     check_state(state, state_.u.size(), state_.suture_gaps.size(), settings_.materials.size(),
                 std::is_same_v<Real, double>, settings_.moving_bones());
     state_ = imported<Real>(state);
+    epoch_->motions.clear();
     last_frame_.clear();
   }
 
