@@ -71,6 +71,7 @@ class TypedSession : public Session::Implementation {
                 std::is_same_v<Real, double>, settings_.moving_bones());
     state_ = imported<Real>(state);
     epoch_->motions.clear();
+    epoch_->preconditioner.restart();
     last_frame_.clear();
   }
 

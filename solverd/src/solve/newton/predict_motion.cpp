@@ -46,7 +46,7 @@ void predict_motion(System<Real>& system, const Evaluation& now, std::span<const
       add<Real>(shared, known.force, next.force);
     }
     const double own = dot<Real>(next.way, next.force);
-    if (!(own > kOwnShare * whole)) continue;
+    if (!(own > kOwnShare * std::abs(whole))) continue;  // also where the energy does not curve upwards
     const double slope =
         reduce<1>(next.way.size(), [g = now.gradient.data(), s = next.way.data()](std::size_t i, double* out) {
           out[0] = g[i] * static_cast<double>(s[i]);
