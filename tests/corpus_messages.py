@@ -82,7 +82,7 @@ def everything_open(**changes: Any) -> RawMessage:
     plain = {"model": "mooneyRivlin", "youngs_modulus": 20.0, "poissons_ratio": 0.4, "density": 900.0}
     settings = session_fields(
         retractors=1, gravity=[0.0, 0.0, -9.81], quadrature=4, precision="double", correction=1, region="whole",
-        preconditioner="twoLevel", strain=1, stability=1, **changes,
+        preconditioner="twoLevel", strain=1, stability=1, live=1, **changes,
     )  # fmt: skip
     bones = {"bone_points": surface.points * [1.0, 1.0, 0.5] - [0.0, 0.0, 3.0], "bone_triangles": surface.triangles}
     return message("open", {**settings, "materials": [plain, rich]}, bones)

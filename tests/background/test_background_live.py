@@ -213,6 +213,8 @@ def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved()
     live.pull(pose_at((4.0, 5.0, 6.0)), lambda _: None)
     settings, *frames = asked
     assert settings.tolerance == 1e-2
+    assert settings.live
+    assert not settings.strain
     assert [frame.hook_targets.tolist() for frame in frames] == [[[1.0, 2.0, 3.0]], [[4.0, 5.0, 6.0]]]
     assert replace(frames[0], hook_targets=frames[1].hook_targets).time == 4.0
 

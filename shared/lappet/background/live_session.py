@@ -53,6 +53,8 @@ class LiveSession:
             tolerance=max(settings.tolerance, TOLERANCE),
             time_budget=TIME_BUDGET,
             correction=False,
+            strain=False,
+            live=True,
             stability=False,
         )
         self._program = program

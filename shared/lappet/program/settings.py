@@ -161,6 +161,9 @@ class SolverSettings:
         Coulomb's coefficient of friction where the surface presses on itself, with self-contact; 0 for none.
     region
         Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
+    live
+        Whether frames follow what somebody drags: what is set up for one serves the next, and none can be resumed bit
+        for bit.
     origin
         A point of the grid in mm.
     bed_stiffness
@@ -210,6 +213,7 @@ class SolverSettings:
             "Solve all cells of a frame at once, not those near its changes first.", flags="--whole", value="whole"
         ),
     )
+    live: bool = setting(False)
     origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
     bed_stiffness: float = setting(19.0)
     bed_shear: float = setting(0.375)

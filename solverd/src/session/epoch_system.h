@@ -33,6 +33,7 @@ struct EpochSystem {
   TwoLevel<Real> preconditioner;
   FrameConstraints<Real> constraints;
   std::vector<EmbeddedPoint> landmarks;
+  std::vector<std::vector<float>> motions;  // of the last frames of a drag, the last first (predict_motion.h)
 };
 
 extern template struct EpochSystem<float>;

@@ -17,6 +17,7 @@
 #include "session/retry_schedule.h"
 #include "solve/newton/leave_saddle.h"
 #include "solve/newton/lowest_mode.h"
+#include "solve/newton/predict_motion.h"
 
 namespace lappet {
 
@@ -69,6 +70,7 @@ class FrameSearch {
     options_.inverts =
         std::ranges::all_of(settings.materials, [](const auto& m) { return MaterialModels::inverts(m.model); });
     options_.known = known;
+    options_.last_step_tells = settings.live;
     options_.keeps_step = kHasErrorEstimate && settings.correction;
     observer_.stop = [this] { return cancel_.load(std::memory_order_relaxed) || out_of_time(); };
     observer_.progress = [this, &progress](int newton, double residual, double gap) {
@@ -138,10 +140,16 @@ class FrameSearch {
     auto& motion = found_.state.motion;
     if (std::ranges::equal(found_.state.u, before_.u)) return;
     motion.clear();
-    if (found_.effort.restart != Restart::kNone || found_.effort.saddles_left > 0) return;
+    if (found_.effort.restart != Restart::kNone || found_.effort.saddles_left > 0) {
+      epoch_.motions.clear();
+      return;
+    }
     motion.resize(before_.u.size());
     for_each_index(motion.size(),
                    [&](std::size_t i) { motion[i] = static_cast<float>(found_.state.u[i] - before_.u[i]); });
+    if (!settings_.live) return;
+    if (epoch_.motions.size() == kMaxMotions) epoch_.motions.pop_back();
+    epoch_.motions.insert(epoch_.motions.begin(), motion);
   }
 
   // Tries what the schedule says until an attempt succeeds or none is left.
@@ -224,7 +232,7 @@ class FrameSearch {
   int try_once(const Attempt& attempt, const RetrySchedule& schedule) {
     if (attempt.goes_on) {
       options_.neighborhood_first = false;
-      options_.motion = {};
+      goes_nowhere();
       return search_load_step(frame_, schedule) ? attempt.load_steps : attempt.load_steps - 1;
     }
     found_.state = before_;
@@ -234,13 +242,15 @@ class FrameSearch {
     }
     untangle(found_.state.u);
     begin_self_contact(found_.state.u);
-    epoch_.preconditioner.restart();
+    if (!settings_.live || attempt.from_rest || attempt.load_steps > 1) epoch_.preconditioner.restart();
     found_.effort.load_steps = attempt.load_steps;
     options_.neighborhood_first = settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() &&
                                   attempt.load_steps == 1 && found_.untangled == 0;
-    options_.motion = {};
-    if (!attempt.from_rest && attempt.load_steps == 1 && !before_.stability.is_of(digest(frame_)))
+    goes_nowhere();
+    if (!attempt.from_rest && attempt.load_steps == 1 && (settings_.live || !before_.stability.is_of(digest(frame_)))) {
       options_.motion = before_.motion;
+      options_.motions = epoch_.motions;
+    }
     const auto path = epoch_.constraints.path(frame_, attempt.load_steps, found_.state);
     for (int step = 0; step < attempt.load_steps; ++step)
       if (options_.accuracy = step + 1 < attempt.load_steps ? Accuracy::kLoadStep : Accuracy::kFrame;
@@ -265,6 +275,11 @@ class FrameSearch {
       found_.state.bone_motions = to.bone_motions;
     }
     return found_.outcome.converged;
+  }
+
+  void goes_nowhere() {
+    options_.motion = {};
+    options_.motions = {};
   }
 
   void search_equilibrium(int max_newton) {
@@ -371,7 +386,7 @@ class FrameSearch {
       found_.outcome.at = std::move(reused);
       options_.neighborhood_first = false;
       options_.known.reset();
-      options_.motion = {};
+      goes_nowhere();
       const EquilibriumOutcome& outcome = found_.outcome;
       for (int round = 0; round < kRounds; ++round) {
         search_equilibrium(settings_.max_newton);

@@ -40,6 +40,8 @@ struct SessionSettings {
   bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
   bool self_contact = false;    // tissue does not pass through tissue (force/self_contact/self_contact.h)
   double friction = 0.0;        // Coulomb's, where it presses on itself (force/self_contact/contact_friction.h)
+  // Frames follow what somebody drags: what is set up for one serves the next, and none can be resumed bit for bit.
+  bool live = false;
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -80,6 +82,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit.optional("stability", settings.stability);
   visit.optional("self_contact", settings.self_contact);
   visit.optional("friction", settings.friction);
+  visit.optional("live", settings.live);
 }
 
 struct EpochInput {

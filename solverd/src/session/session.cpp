@@ -70,6 +70,8 @@ class TypedSession : public Session::Implementation {
     check_state(state, state_.u.size(), state_.suture_gaps.size(), settings_.materials.size(),
                 std::is_same_v<Real, double>, settings_.moving_bones());
     state_ = imported<Real>(state);
+    epoch_->motions.clear();
+    epoch_->preconditioner.restart();
     last_frame_.clear();
   }
 

@@ -30,6 +30,7 @@ class TwoLevel {
     if (smoother_only_) return;
     if (stale_ || system_.constraint_revision() != revision_) {
       modes_.assemble(system_, u);
+      ++assemblies_;
       revision_ = system_.constraint_revision();
       stale_ = slow_ = false;
       first_iterations_ = 0;
@@ -55,6 +56,7 @@ class TwoLevel {
   }
   RigidModes<Real>& modes() { return modes_; }
   Smoother<Real>& smoother() { return smoother_; }
+  std::size_t assemblies() const { return assemblies_; }  // of the coarse operator, so far
   std::size_t bytes() const { return smoother_.bytes() + modes_.bytes(); }
 
  private:
@@ -64,6 +66,7 @@ class TwoLevel {
   bool stale_ = true, slow_ = false, smoother_only_ = false;
   double first_iterations_ = 0.0;
   std::uint64_t revision_ = 0;
+  std::size_t assemblies_ = 0;
 };
 
 }  // namespace lappet

@@ -128,6 +128,7 @@ NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const 
   own.neighborhood_first = own.keeps_step = false;
   own.known.reset();
   own.motion = {};
+  own.motions = {};
   NeighborhoodOutcome outcome;
   static_cast<EquilibriumOutcome&>(outcome) =
       find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, subdomain.multipliers, own, observer);

@@ -15,6 +15,7 @@
 #include "solve/newton/displacement_to_come.h"
 #include "solve/newton/line_search.h"
 #include "solve/newton/local_relaxation.h"
+#include "solve/newton/predict_motion.h"
 #include "solve/newton/tangent_choice.h"
 
 namespace lappet {
@@ -140,12 +141,15 @@ class EquilibriumSearch {
   // What holds or pulls the tissue mostly goes on as it did in the frame before, and so does the tissue: from there the
   // search is shorter. Prescribed nodes are carried by steps of their own.
   void go_on_moving() {
-    if (options_.motion.empty() || now_.relative_residual <= options_.tolerance) return;
-    if (system_.prescribed_increment(u_, increment())) return;
-    for_each_index(system_.nodes(), [&](std::size_t n) {
-      for (std::size_t i = 3 * n; i < 3 * n + 3; ++i)
-        step_[i] = system_.is_free(n) ? static_cast<Real>(options_.motion[i]) : Real(0);
-    });
+    if (options_.motion.empty() && options_.motions.empty()) return;
+    if (now_.relative_residual <= options_.tolerance || system_.prescribed_increment(u_, increment())) return;
+    if (options_.motions.empty())
+      for_each_index(system_.nodes(), [&](std::size_t n) {
+        for (std::size_t i = 3 * n; i < 3 * n + 3; ++i)
+          step_[i] = system_.is_free(n) ? static_cast<Real>(options_.motion[i]) : Real(0);
+      });
+    else
+      predict_motion<Real>(system_, now_, options_.motions, step_);
     StepTaken taken = line_.go_on(u_, step_, std::move(now_));
     now_ = std::move(taken.reached);
     went_on_ = taken.alpha > 0.0;
@@ -318,7 +322,7 @@ class EquilibriumSearch {
     SeriesEstimate pieces;
     const auto enough = [&](double reduction, double alpha, std::span<const Real> p, std::span<const Real> x) {
       if (tracks) pieces.add(std::abs(alpha) * limits->share(p));
-      if (!arriving) return reduction <= target;
+      if (!arriving) return reduction <= target && (!tracks || size_is_known(reduction, *limits, x, pieces));
       if (reduction > kMaxTolerance) return false;  // what is floppy is found late
       const double sum = limits->share(x), left = pieces.left();
       clearly_near_ = clearly_near_ || sum + left <= std::min(kClearly, nearness());
@@ -361,6 +365,14 @@ class EquilibriumSearch {
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
     return true;
+  }
+
+  // Whether the size of a step is known or need not be, as it will not be the last.
+  bool size_is_known(double reduction, const DisplacementLimits<Real>& limits, std::span<const Real> x,
+                     const SeriesEstimate& pieces) const {
+    if (!options_.last_step_tells || reduction <= kCarryTolerance) return true;
+    const double sum = limits.share(x);
+    return sum > kAtEnd || pieces.left() <= kGoodEstimate * sum;
   }
 
   void set_right_hand_side(bool carries) {

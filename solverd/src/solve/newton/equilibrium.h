@@ -42,6 +42,10 @@ struct EquilibriumOptions {
   Accuracy accuracy = Accuracy::kFrame;
   // How the tissue moved last, 3 per node, mm: it goes on so where that lowers the energy. Empty: nobody knows.
   std::span<const float> motion;
+  // While something is dragged, the last of them first: it goes on by what of them lowers the energy most
+  // (predict_motion.h), whatever `motion` is.
+  std::span<const std::vector<float>> motions;
+  bool last_step_tells = false;     // a step that may be the last is solved until its size is known
   bool neighborhood_first = false;  // what the changes reach goes ahead (change_neighborhood.h)
   std::optional<Arrival> known;     // where the search before ended, if that was after the same
   bool keeps_step = false;          // the outcome has the displacement still to come at each node
