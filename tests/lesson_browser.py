@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import subprocess
 import tempfile
+import threading
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import viewer
 
 SCRIPT = Path(__file__).with_suffix(".mjs")
+_PATIENCE = 280.0  # seconds for all actions in a lesson
 
 
 @dataclass(frozen=True)
@@ -28,14 +32,55 @@ def opened(lesson: Path, *actions: tuple[str, Any], device: str = "", **options:
 
     device: one that Playwright describes, such as "iPhone 13".
     """
-    node, _ = viewer.node()
-    with tempfile.TemporaryDirectory() as work:
-        plan = Path(work) / "plan.json"
-        if not device:
-            options = {"viewport": {"width": 1000, "height": 560}, **options}
-        plan.write_text(json.dumps({"actions": actions, "device": device, "options": options}), encoding="utf-8")
-        done = subprocess.run(
-            [node, SCRIPT, lesson.absolute(), plan], capture_output=True, text=True, check=False, timeout=280
+    if not device:
+        options = {"viewport": {"width": 1000, "height": 560}, **options}
+    asked = {"lesson": str(lesson.absolute()), "actions": actions, "device": device, "options": options}
+    told = _browser().answer(json.dumps(asked))
+    assert "error" not in told, told["error"]
+    return Opened(**told)
+
+
+@cache
+def _browser() -> _Browser:
+    """The browser of this process: its start takes longer than most of what is done in a lesson."""
+    return _Browser()
+
+
+class _Browser:
+    """Chromium, until the tests end; what was opened before is not seen by what is opened next."""
+
+    def __init__(self) -> None:
+        node, _ = viewer.node()
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115
+        self._process = subprocess.Popen(
+            [node, SCRIPT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._said, text=True
         )
-    assert done.returncode == 0, done.stderr
-    return Opened(**json.loads(done.stdout))
+        atexit.register(self._end)
+
+    def answer(self, line: str) -> dict[str, Any]:
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        late = threading.Timer(_PATIENCE, self._process.kill)
+        late.start()
+        try:
+            self._process.stdin.write(f"{line}\n")
+            self._process.stdin.flush()
+            answer = self._process.stdout.readline()
+        except BrokenPipeError:
+            answer = ""
+        finally:
+            late.cancel()
+        if not answer:  # it was ended; the next lesson gets another
+            _browser.cache_clear()
+            self._said.seek(0)
+            return {"error": f"the browser ended: {self._said.read().decode(errors='replace')}"}
+        found: dict[str, Any] = json.loads(answer)
+        return found
+
+    def _end(self) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.close()  # with its input the script ends, and with it Chromium
+        try:
+            self._process.wait(10.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()

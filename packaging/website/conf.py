@@ -12,7 +12,7 @@ author = "The Lappet authors"
 project_copyright = "The Lappet authors, GPL-3.0-or-later"
 version = release = installed_version("lappet")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "website.kept_lookups"]
 root_doc = "README"
 default_role = "py:obj"  # docstrings put code in single backticks; what has a description becomes a link
 highlight_language = "none"

@@ -54,6 +54,14 @@ def test_every_option_changes_the_picture(lesson_file: Path) -> None:
     assert done.results[-3] is False
 
 
+def test_a_lesson_sees_nothing_of_what_was_opened_in_the_browser_before(lesson_file: Path) -> None:
+    kept = ("evaluate", "localStorage.getItem('kept')")
+    assert opened(lesson_file, READY, ("evaluate", "localStorage.setItem('kept', '1')"), kept).results[-1] == "1"
+    with pytest.raises(AssertionError, match="unheard"):
+        opened(lesson_file, READY, ("evaluate", "unheard()"))
+    assert opened(lesson_file, READY, kept).results[-1] is None
+
+
 def test_a_map_has_its_key(lesson_file: Path) -> None:
     done = opened(
         lesson_file,
