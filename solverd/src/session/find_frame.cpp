@@ -221,7 +221,7 @@ class FrameSearch {
   int try_once(const Attempt& attempt, const RetrySchedule& schedule) {
     if (attempt.goes_on) {
       options_.neighborhood_first = false;
-      goes_nowhere();
+      clear_motion();
       return search_load_step(frame_, schedule) ? attempt.load_steps : attempt.load_steps - 1;
     }
     found_.state = before_;
@@ -234,7 +234,7 @@ class FrameSearch {
     found_.effort.load_steps = attempt.load_steps;
     options_.neighborhood_first =
         settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
-    goes_nowhere();
+    clear_motion();
     if (!attempt.from_rest && attempt.load_steps == 1 && (settings_.live || !before_.stability.is_of(digest(frame_)))) {
       options_.motion = before_.motion;
       options_.motions = epoch_.motions;
@@ -265,7 +265,7 @@ class FrameSearch {
     return found_.outcome.converged;
   }
 
-  void goes_nowhere() {
+  void clear_motion() {
     options_.motion = {};
     options_.motions = {};
   }
@@ -373,7 +373,7 @@ class FrameSearch {
       found_.outcome.at = std::move(reused);
       options_.neighborhood_first = false;
       options_.known.reset();
-      goes_nowhere();
+      clear_motion();
       const EquilibriumOutcome& outcome = found_.outcome;
       for (int round = 0; round < kRounds; ++round) {
         search_equilibrium(settings_.max_newton);
