@@ -56,7 +56,8 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   tension of its preset along them, 1 (the default) under none; at the edges of lids and lips it vanishes.
 - **Landmarks** have their anatomical names, paired ones with `_left` and `_right`.
 - **Subunits** of the face are groups of skin faces, `subunit_nasal_tip`, `subunit_ala_left` and so on: the units of
-  Gonzalez-Ulloa, for the nose those of Burget and Menick, with borders placed by hand.
+  Gonzalez-Ulloa, for the nose those of Burget and Menick, with borders placed by hand. The ear has its parts, from
+  `subunit_helix_left` to `subunit_lobule_left`.
 - **Scenery** (`/Procedure/Scenery`) is the rest of the body around the tissue, with eyes and teeth: shown, not
   solved. `--no-scenery` leaves it out.
 - **Clefts** are made of the uncleft body by moving its tissue (`shared/lappet/models/cleft.py`): the free border is
@@ -72,7 +73,9 @@ A model is a procedure without an operation: a closed sheet of tissue, skin over
   amounts that `--target` gives. A model holds the same skin whatever the shape.
 
 What a model is not: a patient. The body is one that artists made, not a scan; thicknesses are means or chosen and one
-number for each model; the deeper layer, where there is one, is a sheet as thick everywhere; the ear has no cartilage.
+number for each model; the deeper layer, where there is one, is a sheet as thick everywhere. The auricle is two sheets
+back to back, each on a bed that holds it, so that it does not bend as a whole: its cartilage belongs to the front,
+where skin lies on it without fat, and what lies below the skin of its back is fat as far as the middle.
 """
 
 
@@ -144,7 +147,8 @@ def _deep_layers() -> list[str]:
         "## The layer below the fat",
         "",
         "With `--deep`, or *Deep Layer* in Blender. The fibers of muscles run across the skin lines (Borges 1984). The "
-        "excisions of the table above were tried with it too, cut through the layer: every frame converged.",
+        "excisions of the table above were tried with it too, cut through the layer: every frame converged."
+        + _own_trials(),
         "",
         "| model | layer | mm | where | material | thickness from |",
         "|---|---|---:|---|---|---|",
@@ -155,6 +159,12 @@ def _deep_layers() -> list[str]:
             for name, layer in DEEP_LAYERS.items()
         ),
     ]
+
+
+def _own_trials() -> str:
+    """The models whose excision through the layer is another one."""
+    own = [f"`{name}` ({layer.trial.length:g} mm)" for name, layer in DEEP_LAYERS.items() if layer.trial]
+    return f" Those of {' and '.join(own)} are others, as the table's lie beside the layer." if own else ""
 
 
 def _beyond_the_rim(rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -14,14 +14,14 @@ from lappet.usd.stage import write_procedure
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "spacing"), [("hand", 1.2), ("chin", 2.0)])
+@pytest.mark.parametrize(("name", "spacing", "deep"), [("hand", 1.2, False), ("chin", 2.0, False), ("ear", 1.4, True)])
 def test_the_excision_of_a_model_closes(
-    binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, spacing: float
+    binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, spacing: float, deep: bool
 ) -> None:
     monkeypatch.setenv("LAPPET_SOLVERD", str(binary))
     monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
     file = tmp_path / f"{name}.usdc"
-    write_procedure(new_model(name, ModelChoice(spacing=spacing, excision=True)), file)
+    write_procedure(new_model(name, ModelChoice(spacing=spacing, excision=True, deep=deep)), file)
     arguments = ["solve", str(file), "-o", str(tmp_path / "skin.usdc"), "--no-error-estimate"]
     solved = CliRunner().invoke(cli, arguments)
     assert solved.exit_code == 0, solved.output

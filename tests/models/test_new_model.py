@@ -14,6 +14,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epochs import build_epochs
 from lappet.geometry.closest_point import closest_points
 from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.geometry.triangles import areas
 from lappet.models.body_shape import BodyShape
 from lappet.models.catalogue import BODY_MODELS
 from lappet.models.deep_layer import DEEP_LAYERS
@@ -134,6 +135,67 @@ def test_the_nose_has_cartilage_below_its_tip_and_sidewalls_only() -> None:
     own = tissue.subsets[region.faces]
     assert np.isin(tissue.subsets["subunit_nasal_tip"], own).all()
     assert not np.isin(tissue.subsets["subunit_ala_left"], own).any()
+
+
+@pytest.mark.parametrize(
+    ("part", "material", "least"),
+    [
+        *((part, "cartilage", 1.0) for part in ("concha", "antihelix", "antitragus", "triangular_fossa")),
+        *((part, "cartilage", 0.85) for part in ("helix", "scapha", "tragus")),  # at their edges other skin is nearer
+        *((part, "fat", 0.9) for part in ("lobule", "preauricular", "back_of_auricle", "retroauricular")),
+    ],
+)
+def test_the_auricle_has_cartilage_below_the_skin_of_its_front_and_none_in_its_lobule(
+    part: str, material: str, least: float
+) -> None:
+    upper, lower = materials_below("ear", f"subunit_{part}_left").T
+    assert (upper == "face").all()
+    assert np.mean(lower == material) >= least
+    assert part in ("lobule", "preauricular") or material == "cartilage" or not (lower == "cartilage").any()
+
+
+def materials_below(name: str, faces: str) -> np.ndarray:
+    """Materials a quarter and nine tenths of the way down below skin faces, (n, 2), as the nearest skin has them."""
+    tissue = deep(name).tissue
+    triangles = tissue.face_vertex_indices.reshape(-1, 3)
+    skin = _skin(deep(name))
+    own, under = tissue.subsets[faces], triangles[tissue.subsets["underside"]][:, ::-1]
+    number = np.searchsorted(skin, own)  # the underside's triangles are in the skin's order
+    top, bottom = (tissue.points[part].mean(axis=1) for part in (triangles[own], under[number]))
+    found = np.full((len(own), 2), tissue.material, object)
+    for column, share in enumerate((0.25, 0.9)):
+        nearest, _, away = closest_points(top + share * (bottom - top), tissue.points, triangles[skin])
+        for region in tissue.regions:
+            held = np.isin(skin[nearest], tissue.subsets[region.faces])
+            found[held & (away >= region.depth_from) & (away < region.depth_to), column] = region.material
+    return found
+
+
+def test_the_cartilage_of_the_ear_is_as_thick_as_it_was_measured_wherever_the_auricle_has_room() -> None:
+    tissue = deep("ear").tissue
+    triangles = tissue.face_vertex_indices.reshape(-1, 3)
+    own = tissue.subsets["deep_layer"]
+    under = triangles[tissue.subsets["underside"]][np.searchsorted(_skin(deep("ear")), own)][:, ::-1]
+    thick = np.linalg.norm(tissue.points[triangles[own]] - tissue.points[under], axis=2).mean(axis=1)
+    cartilage = thick - BODY_MODELS["ear"].skin.mm
+    assert np.quantile(cartilage, 0.15) == pytest.approx(DEEP_LAYERS["ear"].depth.mm, rel=0.03)
+    assert cartilage.max() == pytest.approx(DEEP_LAYERS["ear"].depth.mm, rel=0.03)
+    assert cartilage.min() > 0.3
+
+
+@pytest.mark.parametrize("name", ["ear", "nose"])
+def test_the_excision_of_a_model_with_cartilage_cuts_through_it(name: str) -> None:
+    procedure = new_model(name, ModelChoice(deep=True, excision=True, scenery=False))
+    assert {each.severity for each in check(procedure)} <= {"note"}
+    search = layer_search(procedure.tissue, procedure.materials)
+    surface = build_epochs(procedure)[-1].surface
+    found = search.of(surface)
+    walls = np.flatnonzero(surface.origin == FaceOrigin.WOUND_WALL)
+    depth = found.depth[surface.triangles[walls]].mean(axis=1)
+    cut = np.array(search.layers.materials)[search.layers.layers_at(found.column[walls], depth)]
+    size = areas(surface.points[surface.triangles[walls]])
+    share = DEEP_LAYERS[name].depth.mm / (BODY_MODELS[name].thickness + DEEP_LAYERS[name].added)
+    assert size[cut == "cartilage"].sum() / size.sum() == pytest.approx(share, rel=0.3)
 
 
 def test_muscles_run_across_the_skin_lines() -> None:

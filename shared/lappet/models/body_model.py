@@ -11,13 +11,13 @@ from lappet.models.body_scenery import body_scenery
 from lappet.models.body_shape import BodyShape
 from lappet.models.body_surface import body_surface
 from lappet.models.cleft import in_lip
-from lappet.models.deep_layer import deep_layer, with_deep_layer
+from lappet.models.deep_layer import deep_layer, trial_of, with_deep_layer
 from lappet.models.landmarks import cleft_landmarks, landmarks_on
 from lappet.models.model import Model
 from lappet.models.model_choice import REACH_RANGE, SKIN_RANGE, SPACING_RANGE, ModelChoice, checked
 from lappet.models.model_sheet import model_sheet
 from lappet.models.skin_line_plans import lines_on
-from lappet.models.subunits import subunits
+from lappet.models.subunits import UNITS, subunits
 from lappet.models.trial_excision import with_excision
 from lappet.models.vessel_plans import vessels_on
 from lappet.procedure import Material, Procedure
@@ -67,8 +67,8 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
         moved = skin.cleft(model.cleft, tissue.points)
         tissue = replace(tissue, points=moved.astype(np.float32).astype(np.float64), subsets=free)
         skin = replace(skin, points=tissue.points[: len(skin.points)])  # the skin's vertices are the tissue's first
-    if model.face:  # the skin's triangles are the tissue's first
-        tissue = replace(tissue, subsets={**tissue.subsets, **subunits(skin)})
+    if model.units:  # the skin's triangles are the tissue's first
+        tissue = replace(tissue, subsets={**tissue.subsets, **subunits(skin, UNITS[model.units])})
     support = BEDS[model.bed]
     procedure = Procedure(
         replace(tissue, bed_stiffness=round(support.normal, _DIGITS), bed_shear=round(support.shear, _DIGITS)),
@@ -83,7 +83,8 @@ def body_model(model: Model, choice: ModelChoice) -> Procedure:
     procedure = skin_over_fat(procedure, thickness, _skin_material(model, laxity), FAT.material)
     if layer is not None:
         procedure = with_deep_layer(procedure, layer, whole - layer.depth.mm)
-    return with_excision(procedure, model.trial, skin.carried([model.trial.at])[0][0]) if choice.excision else procedure
+    trial = trial_of(model, layer)
+    return with_excision(procedure, trial, skin.carried([trial.at])[0][0]) if choice.excision else procedure
 
 
 def usual_shape(model: Model) -> BodyShape:

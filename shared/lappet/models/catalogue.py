@@ -26,7 +26,7 @@ _HEAD_MODELS = (
         ("forehead", "glabella", "eyes", "nose", "cheeks", "lips", "chin"),
         Trial((-62.0, 95.0, 690.0), (0.25, 0.0, 1.0), 30.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "nose",
@@ -41,7 +41,7 @@ _HEAD_MODELS = (
         ("glabella", "nose", "cheeks", "lips"),
         Trial((-3.0, 152.0, 713.0), (-1.0, 0.0, 0.15), 12.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "midface",
@@ -56,7 +56,7 @@ _HEAD_MODELS = (
         ("glabella", "nose", "cheeks", "eyes", "lips"),
         Trial((-30.0, 135.0, 700.0), (-0.5, 0.0, -1.0), 16.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "lips",
@@ -71,7 +71,7 @@ _HEAD_MODELS = (
         ("lips", "chin", "cheeks"),
         Trial((-20.0, 141.0, 655.0), (0.25, 0.0, 1.0), 12.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     *(
         Model(
@@ -87,7 +87,7 @@ _HEAD_MODELS = (
             ("lips", "chin", "cheeks", "nose"),
             Trial((22.0, 141.0, 655.0), (-0.25, 0.0, 1.0), 12.0),
             _HEAD,
-            face=True,
+            units="face",
             cleft=cleft,
         )
         for name, what, cleft in (
@@ -108,7 +108,7 @@ _HEAD_MODELS = (
         ("eyes", "forehead", "cheeks", "glabella"),
         Trial((-33.0, 136.0, 743.5), (-1.0, 0.0, 0.0), 18.0, beyond=0.2),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "forehead",
@@ -123,7 +123,7 @@ _HEAD_MODELS = (
         ("forehead", "glabella"),
         Trial((-15.0, 138.0, 785.0), (-1.0, 0.0, 0.0), 30.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "cheek",
@@ -138,7 +138,7 @@ _HEAD_MODELS = (
         ("cheeks", "eyes", "nose", "lips"),
         Trial((-58.0, 108.0, 690.0), (0.3, 0.0, 1.0), 26.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "temple",
@@ -153,7 +153,7 @@ _HEAD_MODELS = (
         ("temple", "eyes", "forehead", "cheeks"),
         Trial((-70.0, 85.0, 752.0), (-0.4, -1.0, 0.3), 26.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "chin",
@@ -168,7 +168,7 @@ _HEAD_MODELS = (
         ("chin", "lips"),
         Trial((-9.0, 139.0, 641.0), (-1.0, 0.0, 0.2), 16.0),
         _HEAD,
-        face=True,
+        units="face",
     ),
     Model(
         "ear",
@@ -183,6 +183,7 @@ _HEAD_MODELS = (
         ("cheeks", "ear"),
         Trial((-74.0, 58.0, 700.0), (0.0, 0.0, 1.0), 14.0, beyond=0.15),
         _HEAD,
+        units="ear",
     ),
     Model(
         "neck",

@@ -82,8 +82,8 @@ class Model:
         Lowest and highest corner of what of the body is shown around it, in mm.
     female
         Whether it is a woman's unless told otherwise.
-    face
-        Whether its skin is divided into the aesthetic subunits of the face.
+    units
+        What its skin is divided into, a key of `lappet.models.subunits.UNITS`; empty for nothing.
     cleft
         The cleft of its lip; None for none.
     """
@@ -101,7 +101,7 @@ class Model:
     trial: Trial
     surround: tuple[Point, Point]
     female: bool = False
-    face: bool = False
+    units: str = ""
     cleft: Cleft | None = None
 
     @property
