@@ -70,7 +70,6 @@ class FrameSearch {
     options_.inverts =
         std::ranges::all_of(settings.materials, [](const auto& m) { return MaterialModels::inverts(m.model); });
     options_.known = known;
-    options_.last_step_tells = settings.live;
     options_.keeps_step = kHasErrorEstimate && settings.correction;
     observer_.stop = [this] { return cancel_.load(std::memory_order_relaxed) || out_of_time(); };
     observer_.progress = [this, &progress](int newton, double residual, double gap) {
@@ -232,7 +231,7 @@ class FrameSearch {
   int try_once(const Attempt& attempt, const RetrySchedule& schedule) {
     if (attempt.goes_on) {
       options_.neighborhood_first = false;
-      goes_nowhere();
+      clear_motion();
       return search_load_step(frame_, schedule) ? attempt.load_steps : attempt.load_steps - 1;
     }
     found_.state = before_;
@@ -242,14 +241,15 @@ class FrameSearch {
     }
     untangle(found_.state.u);
     begin_self_contact(found_.state.u);
-    if (!settings_.live || attempt.from_rest || attempt.load_steps > 1) epoch_.preconditioner.restart();
+    if (!follows_freely() || attempt.from_rest || attempt.load_steps > 1) epoch_.preconditioner.restart();
+    options_.last_step_tells = follows_freely();
     found_.effort.load_steps = attempt.load_steps;
     options_.neighborhood_first = settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() &&
                                   attempt.load_steps == 1 && found_.untangled == 0;
-    goes_nowhere();
+    clear_motion();
     if (!attempt.from_rest && attempt.load_steps == 1 && (settings_.live || !before_.stability.is_of(digest(frame_)))) {
       options_.motion = before_.motion;
-      options_.motions = epoch_.motions;
+      if (follows_freely()) options_.motions = epoch_.motions;
     }
     const auto path = epoch_.constraints.path(frame_, attempt.load_steps, found_.state);
     for (int step = 0; step < attempt.load_steps; ++step)
@@ -277,7 +277,11 @@ class FrameSearch {
     return found_.outcome.converged;
   }
 
-  void goes_nowhere() {
+  // Whether it follows a drag and nothing is in the way: tissue that presses on tissue or bone has more than one way to
+  // go, which a quadratic model does not know, and what presses changes the coarse operator.
+  bool follows_freely() const { return settings_.live && !epoch_.system.self_contact() && !epoch_.system.contact(); }
+
+  void clear_motion() {
     options_.motion = {};
     options_.motions = {};
   }
@@ -386,7 +390,7 @@ class FrameSearch {
       found_.outcome.at = std::move(reused);
       options_.neighborhood_first = false;
       options_.known.reset();
-      goes_nowhere();
+      clear_motion();
       const EquilibriumOutcome& outcome = found_.outcome;
       for (int round = 0; round < kRounds; ++round) {
         search_equilibrium(settings_.max_newton);

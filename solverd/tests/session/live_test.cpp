@@ -141,6 +141,42 @@ TEST(Live, ADragIsTheSameBitForBitWithAnyNumberOfThreads) {
   EXPECT_EQ(nodes(1), nodes(2));
 }
 
+TEST(Live, WhereTissueMayTouchFramesAreFoundOneByOne) {
+  const auto nodes = [](bool live, bool bone) {
+    SessionSettings s = settings(live);
+    s.self_contact = !bone;
+    if (bone) s.bones = box_surface({20, -2, -6}, {32, 10, -1});
+    Session session(s);
+    // Two strips, one above the other, of which the hook draws the upper one down on what is below.
+    EpochInput epoch = strip();
+    Surface surface = box_surface({0, 0, -4}, {30, 8, -1});
+    if (!bone) {
+      append(surface, epoch.surface);
+      epoch = make_epoch(surface, [](const Vec3& c) { return c[0] < 1e-9; });
+    }
+    session.set_epoch(epoch);
+    EpochInput probe = epoch;
+    add_landmark(probe, kHooked);
+    std::vector<std::vector<double>> found;
+    std::int32_t touching = 0;
+    for (int k = 1; k <= 6; ++k) {
+      FrameInput frame;
+      frame.hooks = {{{kHooked, probe.landmark_triangles.back()}, kHooked - Vec3(0, 0, 0.6 * k), 300.0, 0}};
+      const FrameOutput out = session.solve(frame, {}, kNever);
+      EXPECT_TRUE(out.converged) << out.failure.message;
+      touching += out.contacts + out.self_contacts;
+      found.push_back(out.state.nodes);
+    }
+    EXPECT_GT(touching, 0);
+    return found;
+  };
+  EXPECT_EQ(nodes(true, true), nodes(false, true));
+  // Before they touch they are followed freely: the last ones, which touch, are within what may be left.
+  const auto followed = nodes(true, false), one_by_one = nodes(false, false);
+  for (std::size_t k = 0; k < followed.size(); ++k)
+    EXPECT_LE(largest_distance(followed[k], one_by_one[k]), 2 * kSpacingsPerTolerance * 1e-3);
+}
+
 TEST(Live, AMotionIsPredictedWhicheverWayTheTargetGoes) {
   Drag<float> drag(settings(true));
   drag.to({0, 0, 2});
