@@ -13,8 +13,6 @@ namespace {
 
 // The penalty of a suture that closes exactly, in E h; its multiplier closes the gap whatever it is.
 constexpr double kSuturePenalty = 50.0;
-// Likewise, of a suture between walls that may touch: a stiffer one pulls hard where these do not fit. Chosen.
-constexpr double kWallPenalty = 15.0;
 // A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
 constexpr double kMaxPenalty = 1000.0;
 // Spacings by which the ends of a suture may be held apart by walls that touch and do not fit: chosen.
@@ -183,12 +181,10 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
   const Vec3 placed(gap[0], gap[1], gap[2]);
   const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   if (!suture.is_thread) {
-    const bool between_walls = ends_between_walls(suture) != nullptr;
-    const double penalty =
-        (between_walls ? kWallPenalty : kSuturePenalty) * settings_.materials[0].youngs_modulus * settings_.spacing;
+    const double penalty = kSuturePenalty * settings_.materials[0].youngs_modulus * settings_.spacing;
     PointConstraint closing =
         make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
-    if (between_walls) {
+    if (ends_between_walls(suture)) {
       closing.slack = system_.self_contact_or_suspended()->distance_of_walls();
       closing.walls_keep = std::max(closing.slack, kHeldApart * settings_.spacing);
       closing.drawn = suture.closure == 1.0;
