@@ -28,6 +28,7 @@ FRAME: dict[str, Any] = {
     "self_contacts": int,
     "piercings": int,
     "piercings_before": int,
+    "untangled": int,
     "stability": {
         "lowest_stiffness": (*NUMBER, type(None)),
         "softest_point": (list, type(None)),

@@ -70,6 +70,23 @@ def test_frames_that_start_from_a_surface_that_passes_through_itself_are_told_wi
     assert f"in {len(clear) - 2} other" in found.message
 
 
+def test_frames_that_were_taken_apart_at_their_start_are_a_note_and_no_warning(
+    program: Program, frames: tuple[FrameResult, ...]
+) -> None:
+    def started(frame: FrameResult, places: int, untangled: int) -> FrameResult:
+        said = replace(frame.solved.diagnostics, piercings_before=places, untangled=untangled)
+        return replace(frame, solved=replace(frame.solved, diagnostics=said))
+
+    clear = pushed_together(program, frames, 0.0)
+    (note,) = overlap_notes(program, [clear[0], started(clear[1], 7, 7)])
+    assert note.code == ProblemCode.FRAMES_UNTANGLED
+    assert note.severity == "note"
+    assert note.value == "7"
+    assert f"Frame {clear[1].constraints.time:g} " in note.message
+    both = overlap_notes(program, [started(clear[0], 2, 0), started(clear[1], 7, 7)])
+    assert [each.code for each in both] == [ProblemCode.FRAMES_START_PIERCED, ProblemCode.FRAMES_UNTANGLED]
+
+
 def test_only_the_last_frame_counts_and_no_frames_have_none(program: Program, frames: tuple[FrameResult, ...]) -> None:
     pushed = pushed_together(program, frames, 1.0)
     assert overlap_notes(program, [pushed[-1], pushed_together(program, frames, 0.0)[-1]]) == []

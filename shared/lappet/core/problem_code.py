@@ -236,6 +236,7 @@ class ProblemCode(StrEnum):
     FRAMES_FROM_REST = auto()
     FRAMES_SENSITIVE = auto()
     FRAMES_LEFT_SADDLES = auto()
+    FRAMES_UNTANGLED = auto()
     LATTICE_DROPPED = auto()
     LATTICE_VOLUME = auto()
     NEIGHBORHOOD_OFF = auto()

@@ -104,7 +104,9 @@ class Diagnostics:
     piercings
         How often edges of the surface go through faces of it, with self-contact.
     piercings_before
-        The same in the state that the frame was solved from; pairs at those places were left out.
+        The same in the state that the frame was solved from.
+    untangled
+        How many of these were taken apart before the frame was solved; pairs at the others were left out.
     lowest_stiffness
         The share of its stiffness that compression leaves the softest displacement: 1 without compression, 0 where the
         equilibrium is neutral, negative where it is unstable; NaN where it was not looked for.
@@ -138,6 +140,7 @@ class Diagnostics:
     self_contacts: int = 0
     piercings: int = 0
     piercings_before: int = 0
+    untangled: int = 0
     lowest_stiffness: float = math.nan
     saddles_left: int = 0
     peak_bytes: float = 0.0

@@ -169,6 +169,7 @@ def _frame(
         "self_contacts": said.self_contacts,
         "piercings": said.piercings,
         "piercings_before": said.piercings_before,
+        "untangled": said.untangled,
         "stability": {
             "lowest_stiffness": said.lowest_stiffness,
             "softest_point": solved.softest_point[0].tolist() if len(solved.softest_point) else None,

@@ -34,7 +34,7 @@ def overlap_notes(program: Program, frames: Sequence[FrameResult]) -> list[Probl
     -------
     list[Problem]
         With self-contact a warning where frames started from a surface that passes through itself, with the first of
-        them and the number of places. A warning that counts the vertices that lie deeper than `SHALLOW` in tissue, with
+        them and the number of places, and a note where it was taken apart first. A warning that counts the vertices that lie deeper than `SHALLOW` in tissue, with
         the place of the deepest, at rest and in the frame. None where there are none.
     """
     if not frames:
@@ -43,15 +43,21 @@ def overlap_notes(program: Program, frames: Sequence[FrameResult]) -> list[Probl
 
 
 def _pierced(frames: Sequence[FrameResult]) -> list[Problem]:
-    found = [frame for frame in frames if frame.solved.diagnostics.piercings_before > 0]
-    if not found:
-        return []
-    first, more = found[0], len(found) - 1
-    count = first.solved.diagnostics.piercings_before
-    others = f", and likewise in {more} other frames" if more else ""
-    return [
-        problem(ProblemCode.FRAMES_START_PIERCED, "", count, time=first.constraints.time, count=count, others=others)
-    ]
+    said = [(frame.constraints.time, frame.solved.diagnostics) for frame in frames]
+    starts = {
+        ProblemCode.FRAMES_START_PIERCED: [
+            (time, each.piercings_before) for time, each in said if each.piercings_before > each.untangled
+        ],
+        ProblemCode.FRAMES_UNTANGLED: [(time, each.untangled) for time, each in said if each.untangled > 0],
+    }
+    result = []
+    for code, found in starts.items():
+        if not found:
+            continue
+        (time, count), more = found[0], len(found) - 1
+        others = f", and likewise in {more} other frames" if more else ""
+        result.append(problem(code, "", count, time=time, count=count, others=others))
+    return result
 
 
 def _deep(program: Program, last: FrameResult) -> list[Problem]:

@@ -154,6 +154,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("self_contacts", std::int64_t{frame.self_contacts})
       .field("piercings", std::int64_t{frame.piercings})
       .field("piercings_before", std::int64_t{frame.piercings_before})
+      .field("untangled", std::int64_t{frame.untangled})
       .field("lowest_stiffness", frame.lowest_stiffness)
       .field("saddles_left", std::int64_t{frame.saddles_left})
       .field("seconds", Fields{{"update", frame.seconds_update},

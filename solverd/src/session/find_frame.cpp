@@ -202,12 +202,23 @@ class FrameSearch {
     if (lowest_ < kSaddle) leave_saddle(kEnergyRounding);
   }
 
-  // Where the surface goes through itself at the start of an attempt it cannot be kept apart.
+  // Where the surface goes through itself by little at the start of an attempt it is taken apart first.
+  void untangle(std::span<Real> u) {
+    const auto moves = [this](Index node) { return epoch_.system.is_free(static_cast<std::size_t>(node)); };
+    SelfContact* contact = epoch_.system.self_contact();
+    found_.untangled = contact ? contact->untangle<Real>(u, moves) : 0;
+    if (found_.untangled > 0)
+      spdlog::info("frame {:g} starts with a surface that went through itself {} times and was taken apart",
+                   frame_.time, found_.untangled);
+  }
+
+  // Where it still does, it cannot be kept apart.
   void begin_self_contact(std::span<const Real> u) {
     if (SelfContact* contact = epoch_.system.self_contact())
       if ((found_.piercings_before = contact->begin<Real>(u)) > 0)
         spdlog::info("frame {:g} starts with a surface that goes through itself {} times", frame_.time,
                      found_.piercings_before);
+    found_.piercings_before += found_.untangled;
   }
 
   void set_aside() {
@@ -228,12 +239,13 @@ class FrameSearch {
       if (valid_) epoch_.constraints.place_sutures(frame_, found_.state);
       found_.state.return_to_rest();
     }
+    untangle(found_.state.u);
     begin_self_contact(found_.state.u);
     if (!follows_freely() || attempt.from_rest || attempt.load_steps > 1) epoch_.preconditioner.restart();
     options_.last_step_tells = follows_freely();
     found_.effort.load_steps = attempt.load_steps;
-    options_.neighborhood_first =
-        settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
+    options_.neighborhood_first = settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() &&
+                                  attempt.load_steps == 1 && found_.untangled == 0;
     clear_motion();
     if (!attempt.from_rest && attempt.load_steps == 1 && (settings_.live || !before_.stability.is_of(digest(frame_)))) {
       options_.motion = before_.motion;
@@ -303,6 +315,7 @@ class FrameSearch {
     } else if (doubtful.energy <= outcome.energy + kSameEnergy * std::abs(outcome.energy)) {
       outcome = std::move(doubtful);
       found_.state = std::move(state);
+      found_.untangled = 0;
       found_.effort.restart = Restart::kNone;
       epoch_.constraints.apply(frame_, found_.state);
       begin_self_contact(before_.u);

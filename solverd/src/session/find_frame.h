@@ -9,10 +9,11 @@ namespace lappet {
 
 template <class Real>
 struct FoundFrame {
-  EquilibriumOutcome outcome;        // its evaluation is the last of the epoch's system
-  TissueState<Real> state;           // where the search ended, an equilibrium or not
-  SolveEffort effort;                // of all attempts
-  std::size_t piercings_before = 0;  // of the surface, where the last attempt began (force/self_contact)
+  EquilibriumOutcome outcome;  // its evaluation is the last of the epoch's system
+  TissueState<Real> state;     // where the search ended, an equilibrium or not
+  SolveEffort effort;          // of all attempts
+  // Of the surface, where the last attempt began, and how many of them were taken apart (force/self_contact).
+  std::size_t piercings_before = 0, untangled = 0;
 };
 
 // before: the state of the frame before; known: where the search for it ended, if it was the same frame. Throws

@@ -185,8 +185,8 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
     PointConstraint closing =
         make_suture(lattice_, *stencils[0], *stencils[1], (1.0 - suture.closure) * placed, penalty);
     if (ends_between_walls(suture)) {
-      closing.walls_keep =
-          std::max(system_.self_contact_or_suspended()->distance_of_walls(), kHeldApart * settings_.spacing);
+      closing.slack = system_.self_contact_or_suspended()->distance_of_walls();
+      closing.walls_keep = std::max(closing.slack, kHeldApart * settings_.spacing);
       closing.drawn = suture.closure == 1.0;
     }
     return closing;

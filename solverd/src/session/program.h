@@ -267,8 +267,9 @@ struct FrameOutput : FrameFields, SolveEffort {
   double largest_penetration = 0.0;  // of the tissue into bone, mm
   std::int32_t contacts = 0;         // points of its surface that touch bone
   // With self-contact: pairs of vertices and faces, or of edges, that press on each other, and how often edges of the
-  // surface go through faces of it, where the frame ends and where it was solved from (such pairs do not press).
-  std::int32_t self_contacts = 0, piercings = 0, piercings_before = 0;
+  // surface go through faces of it, where the frame ends and where it was solved from; how many of the latter were
+  // taken apart first (the others do not press).
+  std::int32_t self_contacts = 0, piercings = 0, piercings_before = 0, untangled = 0;
   double seconds_total = 0.0;
   Work work;
   double peak_bytes = 0.0;  // of the process

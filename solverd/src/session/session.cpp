@@ -114,6 +114,7 @@ class TypedSession : public Session::Implementation {
     static_cast<SolveEffort&>(output) = found.effort;
     write_outcome(found.outcome, output);
     output.piercings_before = static_cast<std::int32_t>(found.piercings_before);
+    output.untangled = static_cast<std::int32_t>(found.untangled);
     if (SelfContact* contact = epoch_->system.self_contact_or_suspended())
       output.piercings = static_cast<std::int32_t>(contact->count_piercings<Real>(found.state.u));
     const FrameFields* same = converged && found.effort.newton_iterations == 0 ? last_frame_.of(frame) : nullptr;

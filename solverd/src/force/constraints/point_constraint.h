@@ -71,6 +71,7 @@ struct PointConstraint {
   double stiffness = 0.0;     // mN/mm
   bool exact = false;         // a suture, a stiff hook
   double compliance = 0.0;    // mm/mN, of an exact point constraint: a suture has none
+  double slack = 0.0;         // mm, of a suture between walls that may touch: open no further, it is drawn no further
   double walls_keep = 0.0;    // mm, of a suture between walls that touch: how far these may hold it open
   bool drawn = false;         // such a suture is to be closed wholly
   bool closed = false;        // and was when the search began, but for what its walls keep: it is drawn no further

@@ -5,6 +5,7 @@
 
 #include "force/self_contact/continuous_collision.h"
 #include "force/self_contact/separation.h"
+#include "force/self_contact/untangling.h"
 
 namespace lappet {
 
@@ -21,6 +22,8 @@ constexpr double kSlack = 0.05;
 constexpr double kStiffness = 1.0;
 // Spacings by which what holds creeps at most.
 constexpr double kSlide = 2e-3;
+// Rounds without less of what goes through itself, after which it stays as it is.
+constexpr int kRoundsInVain = 5;
 
 double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
 
@@ -70,6 +73,28 @@ std::size_t SelfContact::begin(std::span<const Real> u) {
   if (friction_.acts()) friction_.begin(places_);
   const std::vector<Piercing>& piercings = candidates_.piercings(places_);
   return piercings.size() + candidates_.leave_out(piercings, places_);
+}
+
+template <class Real>
+std::size_t SelfContact::untangle(std::span<Real> u, const std::function<bool(Index)>& moves) {
+  const std::size_t places = count_piercings<Real>(u);
+  if (places == 0) return 0;
+  std::vector<double> moved(u.begin(), u.end());
+  Untangling untangling(surface_, moves);
+  std::size_t fewest = places;
+  for (int in_vain = 0; in_vain < kRoundsInVain; ++in_vain) {
+    surface_.positions<double>(moved, places_);
+    if (!untangling.push(places_, candidates_.piercings(places_), moved)) return 0;
+    const std::vector<Real> rounded(moved.begin(), moved.end());
+    const std::size_t left = count_piercings<Real>(rounded);
+    if (left == 0) {
+      std::ranges::copy(rounded, u.begin());
+      return places;
+    }
+    if (left < fewest) in_vain = 0;
+    fewest = std::min(fewest, left);
+  }
+  return 0;
 }
 
 template <class Real>
@@ -214,6 +239,8 @@ template std::size_t SelfContact::count_piercings(std::span<const float>);
 template std::size_t SelfContact::count_piercings(std::span<const double>);
 template std::size_t SelfContact::begin(std::span<const float>);
 template std::size_t SelfContact::begin(std::span<const double>);
+template std::size_t SelfContact::untangle(std::span<float>, const std::function<bool(Index)>&);
+template std::size_t SelfContact::untangle(std::span<double>, const std::function<bool(Index)>&);
 template bool SelfContact::is_apart(std::span<const float>);
 template bool SelfContact::is_apart(std::span<const double>);
 template void SelfContact::evaluate(std::span<const float>, std::span<double>, SelfContactState&);

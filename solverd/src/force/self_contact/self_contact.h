@@ -3,6 +3,7 @@
 // through anything (continuous_collision.h). A state whose surface does not go through itself stays so; where a search
 // begins with one that does, the pairs at those places are left out and counted.
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -46,6 +47,11 @@ class SelfContact {
   // such places there are. Friction counts slides from here on.
   template <class Real>
   std::size_t begin(std::span<const Real> u);
+
+  // Takes the surface apart where it goes through itself by little (untangling.h), by nodes of which `moves` tells.
+  // Returns at how many places; 0, and u as it was, where it goes through nothing or cannot be taken apart.
+  template <class Real>
+  std::size_t untangle(std::span<Real> u, const std::function<bool(Index)>& moves);
 
   // Whether the surface neither goes through itself nor presses on itself at u.
   template <class Real>

@@ -167,9 +167,9 @@ class EquilibriumSearch {
     outcome_.inverted = now_.inverted;
     outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
   }
-  // Where tissue presses on tissue; elsewhere all gaps are to be closed.
+  // Where tissue may press on tissue; elsewhere all gaps are to be closed.
   double gap_of(typename System<Real>::Gaps which) const {
-    return now_.self_contact.touches() ? system_.largest_gap(u_, multipliers_, now_, which) : outcome_.gap;
+    return system_.self_contact() ? system_.largest_gap(u_, multipliers_, now_, which) : outcome_.gap;
   }
   // Friction goes by what pressed at the last look. True where forces no longer balance with what presses now.
   bool rubs_otherwise() {

@@ -330,6 +330,7 @@ double System<Real>::suture_gap(std::span<const Real> u, const Multipliers& mult
   for (const auto& constraint : point_constraints_) {
     if (!constraint.exact) continue;
     const double own = constraint.gap(constraint.values(u), multipliers.of(constraint));
+    if (which != Gaps::kAll && own <= constraint.slack) continue;
     const bool kept_by_walls = which == Gaps::kButWalls || (which == Gaps::kOpen && constraint.closed);
     if (!kept_by_walls || own > constraint.walls_keep) gap = std::max(gap, own);
   }
@@ -373,7 +374,8 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
     if (!constraint.exact) continue;
     const std::vector<Vec3> values = constraint.values(u);
     const Vec3 multiplier = multipliers.of(constraint);
-    if (constraint.closed && constraint.gap(values, multiplier) <= constraint.walls_keep) continue;
+    const double enough = constraint.closed ? constraint.walls_keep : constraint.slack;
+    if (self_contact() && enough > 0.0 && constraint.gap(values, multiplier) <= enough) continue;
     multipliers.of_constraint[constraint.id] = constraint.next_multiplier(values, multiplier);
   }
   if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);
