@@ -51,6 +51,20 @@ def test_wounds_open_and_close_without_passing_through_themselves(example: str, 
     assert frames_that_pass_through(example, 2.0, True, tmp_path) == []
 
 
+def test_sutures_between_walls_that_do_not_fit_pull_little_harder_than_the_tissue_does(tmp_path: Path) -> None:
+    # Ends that had to meet exactly pulled with 6.7 times the force.
+    procedure = read_procedure(EXAMPLES / "ellipse" / "ellipse.usda")
+    pull = {}
+    for self_contact in (False, True):
+        settings = SolverSettings(spacing=2.0, strain=False, self_contact=self_contact)
+        program = compile_program(procedure, settings=settings)
+        store = FrameStore(tmp_path / str(self_contact))
+        solved = solve_program(program, store, connect_to(None), solver_identity(None), SolveObserver())
+        assert solved.reason is None, solved.reason
+        pull[self_contact] = float(np.sum(solved.frames[-1].solved.suture_forces))
+    assert 0.9 * pull[False] < pull[True] < 3.0 * pull[False]
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 def test_flaps_change_places_without_passing_through_themselves(tmp_path: Path) -> None:
