@@ -34,8 +34,9 @@ def overlap_notes(program: Program, frames: Sequence[FrameResult]) -> list[Probl
     -------
     list[Problem]
         With self-contact a warning where frames started from a surface that passes through itself, with the first of
-        them and the number of places, and a note where it was taken apart first. A warning that counts the vertices that lie deeper than `SHALLOW` in tissue, with
-        the place of the deepest, at rest and in the frame. None where there are none.
+        them and the number of places, and a note where it was taken apart first. A warning that counts the vertices
+        that lie deeper than `SHALLOW` in tissue, with the place of the deepest, at rest and in the frame. None where
+        there are none.
     """
     if not frames:
         return []
