@@ -65,17 +65,17 @@ void Untangling::find_normals(std::span<const Vec3> places) {
 void Untangling::mark_near(std::span<const Vec3> places, std::span<const Piercing> piercings) {
   marked_.assign(places.size(), 0);
   const double around = kAround * deepest_;
-  struct Part {
+  struct Bounds {
     Vec3 low, high;
   };
-  std::vector<Part> parts;
+  std::vector<Bounds> bounds;
   for (const Piercing& piercing : piercings) {
     const auto& [a, b] = surface_.edges()[piercing.edge];
-    parts.push_back({places[a].cwiseMin(places[b]).array() - around, places[a].cwiseMax(places[b]).array() + around});
+    bounds.push_back({places[a].cwiseMin(places[b]).array() - around, places[a].cwiseMax(places[b]).array() + around});
   }
   for_each_index(places.size(), [&](std::size_t v) {
-    marked_[v] = std::ranges::any_of(parts, [&](const Part& part) {
-      return (places[v].array() >= part.low.array()).all() && (places[v].array() <= part.high.array()).all();
+    marked_[v] = std::ranges::any_of(bounds, [&](const Bounds& box) {
+      return (places[v].array() >= box.low.array()).all() && (places[v].array() <= box.high.array()).all();
     });
   });
   for (const Piercing& piercing : piercings)
