@@ -12,8 +12,9 @@ import pytest
 
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.program.compile import compile_program
+from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
-from lappet.solve.solve_frames import SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import read_procedure
 from self_intersection import passes_through_itself
@@ -21,18 +22,24 @@ from self_intersection import passes_through_itself
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
-def frames_that_pass_through(example: str, spacing: float, self_contact: bool, folder: Path) -> list[float]:
-    """Solve an example, all of whose frames must converge; the times of frames with intersections."""
+def solved(example: str, spacing: float, self_contact: bool, folder: Path) -> tuple[Program, tuple[FrameResult, ...]]:
+    """Solve an example, all of whose frames must converge."""
     procedure = read_procedure(EXAMPLES / example / f"{example}.usda")
     settings = SolverSettings(spacing=spacing, strain=False, self_contact=self_contact)
     program = compile_program(procedure, settings=settings)
-    solved = solve_program(program, FrameStore(folder), connect_to(None), solver_identity(None), SolveObserver())
+    found = solve_program(program, FrameStore(folder), connect_to(None), solver_identity(None), SolveObserver())
+    assert found.reason is None, found.reason
+    assert len(found.frames) == len(program.frames)
+    return program, tuple(found.frames)
+
+
+def frames_that_pass_through(example: str, spacing: float, self_contact: bool, folder: Path) -> list[float]:
+    """Solve an example; the times of frames with intersections."""
+    program, frames = solved(example, spacing, self_contact, folder)
     surfaces = {epoch.index: epoch.surface.triangles for epoch in program.epochs}
-    assert solved.reason is None, solved.reason
-    assert len(solved.frames) == len(program.frames)
     return [
         asked.time
-        for asked, found in zip(program.frames, solved.frames, strict=True)
+        for asked, found in zip(program.frames, frames, strict=True)
         if passes_through_itself(found.solved.points, surfaces[asked.epoch])
     ]
 
@@ -53,15 +60,10 @@ def test_wounds_open_and_close_without_passing_through_themselves(example: str, 
 
 def test_sutures_between_walls_that_do_not_fit_pull_little_harder_than_the_tissue_does(tmp_path: Path) -> None:
     # Ends that had to meet exactly pulled with 6.7 times the force.
-    procedure = read_procedure(EXAMPLES / "ellipse" / "ellipse.usda")
     pull = {}
     for self_contact in (False, True):
-        settings = SolverSettings(spacing=2.0, strain=False, self_contact=self_contact)
-        program = compile_program(procedure, settings=settings)
-        store = FrameStore(tmp_path / str(self_contact))
-        solved = solve_program(program, store, connect_to(None), solver_identity(None), SolveObserver())
-        assert solved.reason is None, solved.reason
-        pull[self_contact] = float(np.sum(solved.frames[-1].solved.suture_forces))
+        _, frames = solved("ellipse", 2.0, self_contact, tmp_path / str(self_contact))
+        pull[self_contact] = float(np.sum(frames[-1].solved.suture_forces))
     assert 0.9 * pull[False] < pull[True] < 3.0 * pull[False]
 
 

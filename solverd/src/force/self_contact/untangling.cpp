@@ -56,9 +56,14 @@ void Untangling::find_normals(std::span<const Vec3> places) {
   face_normals_.resize(triangles.size());
   normals_.assign(places.size(), Vec3::Zero());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const auto& [a, b, c] = triangles[t];
-    face_normals_[t] = twice_area(places[a], places[b], places[c]);
-    for (const Index v : triangles[t]) normals_[v] += face_normals_[t];
+    const auto& corners = triangles[t];
+    face_normals_[t] = twice_area(places[corners[0]], places[corners[1]], places[corners[2]]);
+    const Vec3 unit = face_normals_[t].normalized();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 first = places[corners[(k + 1) % 3]] - places[corners[k]];
+      const Vec3 second = places[corners[(k + 2) % 3]] - places[corners[k]];
+      normals_[corners[k]] += std::atan2(first.cross(second).norm(), first.dot(second)) * unit;
+    }
   }
 }
 

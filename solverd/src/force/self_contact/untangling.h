@@ -47,11 +47,13 @@ class Untangling {
 
   ContactSurface& surface_;
   const std::function<bool(Index)>& moves_;
-  double deepest_, target_;                   // mm
-  std::vector<Vec3> face_normals_, normals_;  // as long as twice the area of a face, of the faces at a vertex; now
-  std::vector<Vec3> face_normals_at_rest_;    // likewise
-  std::vector<std::uint8_t> marked_;          // vertices
-  std::vector<Facing> facing_;                // of each vertex the nearest
+  double deepest_, target_;  // mm
+  // Now and at rest, as long as twice the area of a face.
+  std::vector<Vec3> face_normals_, face_normals_at_rest_;
+  // At vertices, of the faces there by their angles: they tell what lies behind (Baerentzen and Aanaes 2005).
+  std::vector<Vec3> normals_;
+  std::vector<std::uint8_t> marked_;  // vertices
+  std::vector<Facing> facing_;        // of each vertex the nearest
   SparseRows rows_;
   std::vector<double> lacks_;  // of each row, mm
 };
