@@ -58,13 +58,14 @@ def test_wounds_open_and_close_without_passing_through_themselves(example: str, 
     assert frames_that_pass_through(example, 2.0, True, tmp_path) == []
 
 
-def test_sutures_between_walls_that_do_not_fit_pull_little_harder_than_the_tissue_does(tmp_path: Path) -> None:
-    # Ends that had to meet exactly pulled with 6.7 times the force.
+def test_sutures_between_walls_that_do_not_fit_pull_no_harder_than_the_tissue_does(tmp_path: Path) -> None:
+    # Ends that had to meet exactly pulled with 6.7 times the force, ends that were drawn no further than walls that
+    # touch with 2.5 times.
     pull = {}
     for self_contact in (False, True):
         _, frames = solved("ellipse", 2.0, self_contact, tmp_path / str(self_contact))
         pull[self_contact] = float(np.sum(frames[-1].solved.suture_forces))
-    assert 0.9 * pull[False] < pull[True] < 3.0 * pull[False]
+    assert 0.7 * pull[False] < pull[True] < 1.2 * pull[False]
 
 
 @pytest.mark.slow

@@ -15,6 +15,9 @@ namespace {
 constexpr double kSuturePenalty = 50.0;
 // A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
 constexpr double kMaxPenalty = 1000.0;
+// The ends of a suture that meet leave walls so much of the distance apart from which on they press on each other, and
+// its slack is that distance: what closes a wound leaves its walls room to touch without a push. Chosen.
+constexpr double kMeetingShare = 0.5;
 // Spacings by which the ends of a suture may be held apart by walls that touch and do not fit: chosen.
 constexpr double kHeldApart = 0.25;
 
@@ -227,7 +230,7 @@ std::optional<typename FrameConstraints<Real>::Ends> FrameConstraints<Real>::fin
   const double at_rest = (suture.a.point + ends->first.out - suture.b.point - ends->second.out).norm();
   const double apart = std::min(system_.self_contact_or_suspended()->distance_of_walls(), kShareOfRest * at_rest);
   const auto stencil = [&](const Anchor& anchor, const WallEnd& end) {
-    return stencil_maker().around(anchor.point, anchor.triangle, end.beyond(apart));
+    return stencil_maker().around(anchor.point, anchor.triangle, end.beyond(kMeetingShare * apart));
   };
   return Ends(stencil(suture.a, ends->first), stencil(suture.b, ends->second));
 }

@@ -1,5 +1,5 @@
 // Threads: they pull and never push, their energy, forces and tangent belong together, and the force on a thread is
-// what its stiffness, its length and the most it is drawn with say.
+// what its stiffness, its length and the most it is drawn with say. Sutures with slack: they hold their ends within it.
 #include "force/constraints/point_constraint.h"
 
 #include <gtest/gtest.h>
@@ -117,6 +117,72 @@ TEST(Thread, ItsMultiplierClosesWhatAPenaltyLeavesOpen) {
   EXPECT_NEAR(tension_of(thread, c, multiplier), 1000.0 * 0.2, 1.1);  // 1e-3 mm is lost at the knot
   for (int k = 0; k < 900; ++k) multiplier = thread.next_multiplier({&less, 1}, multiplier);
   EXPECT_NEAR(multiplier[0], 0.0, 1e-9);
+}
+
+PointConstraint suture_with(double slack) {
+  PointConstraint constraint;
+  constraint.stiffness = 200.0;
+  constraint.exact = true;
+  constraint.slack = slack;
+  constraint.pieces.resize(1);
+  return constraint;
+}
+
+TEST(Slack, EnergyForceAndTangentBelongTogether) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> draw(-1.0, 1.0);
+  const auto random_vector = [&](double size) { return Vec3(size * Vec3(draw(random), draw(random), draw(random))); };
+  std::size_t free = 0, held = 0;
+  for (const double slack : {0.0, 0.05, 0.2})
+    for (const double size : {0.02, 0.1, 1.0})
+      for (const double multiplier : {0.0, 10.0, 60.0})
+        for (int sample = 0; sample < 5; ++sample) {
+          const PointConstraint suture = suture_with(slack);
+          const Vec3 c = random_vector(size), lambda = random_vector(multiplier);
+          const auto force_at = [&](const Vec3& at) { return suture.forces({&at, 1}, lambda).front(); };
+          const Vec3 force = force_at(c);
+          (force.norm() == 0.0 ? free : held) += 1;
+          const Eigen::MatrixXd tangent = stiffness_of(suture, {&c, 1}, lambda);
+          const double step = 1e-6;
+          for (int axis = 0; axis < 3; ++axis) {
+            const Vec3 more = c + step * Vec3::Unit(axis), less = c - step * Vec3::Unit(axis);
+            const double slope = (suture.energy({&more, 1}, lambda) - suture.energy({&less, 1}, lambda)) / (2.0 * step);
+            EXPECT_NEAR(slope, force[axis], 1e-5 * (1.0 + force.norm())) << slack << ' ' << size;
+            EXPECT_LT(((force_at(more) - force_at(less)) / (2.0 * step) - tangent.col(axis)).norm(), 1e-2);
+          }
+        }
+  EXPECT_GT(free, 15u);
+  EXPECT_GT(held, 15u);
+}
+
+// A spring of 5 mN/mm draws the ends apart, from 3 mm.
+TEST(Slack, ItsMultiplierBecomesTheForceThatHoldsTheEndsWithinItAndFallsAgain) {
+  const PointConstraint suture = suture_with(0.2);
+  const Vec3 along = Vec3(1, 2, -2) / 3.0;
+  const double spring = 5.0;
+  Vec3 multiplier = Vec3::Zero();
+  double open = 0.0;
+  const auto settle = [&](double rest) {
+    for (int update = 0; update < 20; ++update) {
+      double low = 0.0, high = rest;  // where the forces balance
+      for (int k = 0; k < 60; ++k) {
+        open = 0.5 * (low + high);
+        const Vec3 c = open * along;
+        const double pull = suture.forces({&c, 1}, multiplier).front().dot(along);
+        (pull > spring * (rest - open) ? high : low) = open;
+      }
+      const Vec3 c = open * along;
+      multiplier = suture.next_multiplier({&c, 1}, multiplier);
+    }
+  };
+  settle(3.0);
+  EXPECT_NEAR(open, 0.2, 1e-9);
+  EXPECT_NEAR(multiplier.dot(along), spring * 2.8, 1e-6);
+  settle(0.5);
+  EXPECT_NEAR(multiplier.dot(along), spring * 0.3, 1e-6);
+  settle(0.1);  // the ends stay within the slack by themselves
+  EXPECT_NEAR(open, 0.1, 1e-9);
+  EXPECT_EQ(multiplier.norm(), 0.0);
 }
 
 // Two blocks of 6 x 8 x 3 mm, 1 mm apart, held at their outer ends, sewn in the middle of their walls.

@@ -79,6 +79,13 @@ Eigen::Matrix3d root_of(const Vec3& along, double across, double stiff) {
          (std::sqrt(stiff) - std::sqrt(across)) / share * along * along.transpose();
 }
 
+// The share of a suture's pull, stiffness z, that lies beyond what its slack takes.
+double share_beyond(const Vec3& pull, double taken) {
+  if (taken == 0.0) return 1.0;
+  const double size = pull.norm();
+  return size > taken ? 1.0 - taken / size : 0.0;
+}
+
 }  // namespace
 
 double PointConstraint::tension(std::span<const Vec3> c, const Vec3& multiplier) const {
@@ -88,15 +95,21 @@ double PointConstraint::tension(std::span<const Vec3> c, const Vec3& multiplier)
 std::vector<Vec3> PointConstraint::forces(std::span<const Vec3> c, const Vec3& multiplier) const {
   std::vector<Vec3> result;
   result.reserve(c.size());
-  const double held = thread ? tension(c, multiplier) : 0.0;
-  for (const Vec3& piece : c)
-    result.push_back(thread ? Vec3(held / smoothed(piece) * piece) : Vec3(stiffness * piece + multiplier));
+  if (!thread) {
+    const Vec3 pull = stiffness * c.front() + multiplier;
+    result.emplace_back(share_beyond(pull, stiffness * slack) * pull);
+    return result;
+  }
+  const double held = tension(c, multiplier);
+  for (const Vec3& piece : c) result.emplace_back(held / smoothed(piece) * piece);
   return result;
 }
 
 // The integral of the tension over the length; like that of a spring with a multiplier, zero where the length is the
 // rest length.
 double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) const {
+  if (!thread && slack > 0.0)
+    return (forces(c, multiplier).front().squaredNorm() - multiplier.squaredNorm()) / (2.0 * stiffness);
   if (!thread) return c.front().dot(0.5 * stiffness * c.front() + multiplier);
   const double pull = unlimited(*this, c, multiplier);
   const double held = std::clamp(pull, 0.0, thread->most);
@@ -107,7 +120,14 @@ double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) 
 
 void PointConstraint::add_tangent(std::span<const Vec3> c, const Vec3& multiplier, PointTangent& tangent) const {
   if (!thread) {
-    tangent.roots.emplace_back(std::sqrt(stiffness) * Eigen::Matrix3d::Identity());
+    const Vec3 pull = stiffness * c.front() + multiplier;
+    const double share = share_beyond(pull, stiffness * slack);
+    if (share == 0.0)
+      tangent.roots.emplace_back(Eigen::Matrix3d::Zero());
+    else if (share == 1.0)
+      tangent.roots.emplace_back(std::sqrt(stiffness) * Eigen::Matrix3d::Identity());
+    else
+      tangent.roots.push_back(root_of(pull.normalized(), share * stiffness, stiffness));
     return;
   }
   const double held = tension(c, multiplier);

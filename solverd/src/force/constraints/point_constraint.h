@@ -7,6 +7,11 @@
 // and lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
 // forces.
 //
+// A suture may have slack D: it demands |c| <= D, c in a ball. With z = c + lambda/stiffness and P(z) the point of the
+// ball nearest to it, the augmented Lagrangian is stiffness/2 |z - P(z)|^2, and the multiplier moves on to the force,
+// stiffness (z - P(z)), so that it falls again where less is to be held (Rockafellar 1976 for convex sets). For D = 0
+// it is the same as above.
+//
 // A thread only pulls. It slides through its anchors, so it has one tension T: it goes by the sum L of the lengths
 // |c_j| of its pieces, each between an anchor and the next and smoothed near zero, T = stiffness (L - length) + lambda,
 // between zero and the most it is drawn with. Its energy is convex in L, and L in all c_j, so its tangent is never
@@ -71,10 +76,10 @@ struct PointConstraint {
   double stiffness = 0.0;     // mN/mm
   bool exact = false;         // a suture, a stiff hook
   double compliance = 0.0;    // mm/mN, of an exact point constraint: a suture has none
-  double slack = 0.0;         // mm, of a suture between walls that may touch: open no further, it is drawn no further
-  double walls_keep = 0.0;    // mm, of a suture between walls that touch: how far these may hold it open
-  bool drawn = false;         // such a suture is to be closed wholly
-  bool closed = false;        // and was when the search began, but for what its walls keep: it is drawn no further
+  double slack = 0.0;  // mm, of a suture between walls that may touch: how far its ends may be from what is demanded
+  double walls_keep = 0.0;  // mm, of a suture between walls that touch: how far these may hold it open
+  bool drawn = false;       // such a suture is to be closed wholly
+  bool closed = false;      // and was when the search began, but for what its walls keep: it is drawn no further
   std::optional<Thread> thread;
 
   // c of each piece; what follows takes them. The multiplier (mN) is zero unless the constraint is exact; that of a

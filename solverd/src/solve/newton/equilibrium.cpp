@@ -167,9 +167,9 @@ class EquilibriumSearch {
     outcome_.inverted = now_.inverted;
     outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
   }
-  // Where tissue may press on tissue; elsewhere all gaps are to be closed.
+  // Sutures between walls have their slack also in a search for a frame in which nothing may meet.
   double gap_of(typename System<Real>::Gaps which) const {
-    return system_.self_contact() ? system_.largest_gap(u_, multipliers_, now_, which) : outcome_.gap;
+    return system_.self_contact_or_suspended() ? system_.largest_gap(u_, multipliers_, now_, which) : outcome_.gap;
   }
   // Friction goes by what pressed at the last look. True where forces no longer balance with what presses now.
   bool rubs_otherwise() {
@@ -205,7 +205,8 @@ class EquilibriumSearch {
   // A gap that many multipliers have not closed is why there is no equilibrium, also where each of them takes so many
   // iterations that these run out first.
   bool stays_open() const {
-    return outcome_.gap > options_.gap_tolerance && augmented_lagrangian_.updates() >= kManyUpdates &&
+    return gap_of(System<Real>::Gaps::kOpen) > options_.gap_tolerance &&
+           augmented_lagrangian_.updates() >= kManyUpdates &&
            !(system_.contact() && now_.contact.excess > options_.gap_tolerance);
   }
   void fail_late() {

@@ -18,6 +18,9 @@ namespace lappet {
 
 namespace {
 
+// A suture that leaves its ends this many times its slack apart has closed: chosen, as its multiplier comes near to
+// what holds them within it by smaller and smaller steps.
+constexpr double kNearEnough = 1.25;
 // The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
 constexpr double kHeldStiffness = 300.0;
 // How much it may grow, chosen: that closes what slivers keep open, and a tilted bar takes longer with ten times more.
@@ -330,9 +333,10 @@ double System<Real>::suture_gap(std::span<const Real> u, const Multipliers& mult
   for (const auto& constraint : point_constraints_) {
     if (!constraint.exact) continue;
     const double own = constraint.gap(constraint.values(u), multipliers.of(constraint));
-    if (which != Gaps::kAll && own <= constraint.slack) continue;
-    const bool kept_by_walls = which == Gaps::kButWalls || (which == Gaps::kOpen && constraint.closed);
-    if (!kept_by_walls || own > constraint.walls_keep) gap = std::max(gap, own);
+    const bool kept_by_walls =
+        self_contact() && (which == Gaps::kButWalls || (which == Gaps::kOpen && constraint.closed));
+    if (kept_by_walls && own <= constraint.walls_keep) continue;
+    gap = std::max(gap, which == Gaps::kAll ? own : own - kNearEnough * constraint.slack);
   }
   return gap;
 }
@@ -374,8 +378,8 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
     if (!constraint.exact) continue;
     const std::vector<Vec3> values = constraint.values(u);
     const Vec3 multiplier = multipliers.of(constraint);
-    const double enough = constraint.closed ? constraint.walls_keep : constraint.slack;
-    if (self_contact() && enough > 0.0 && constraint.gap(values, multiplier) <= enough) continue;
+    const double open = constraint.gap(values, multiplier);
+    if (self_contact() && constraint.closed && open > constraint.slack && open <= constraint.walls_keep) continue;
     multipliers.of_constraint[constraint.id] = constraint.next_multiplier(values, multiplier);
   }
   if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);

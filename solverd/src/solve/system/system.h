@@ -113,8 +113,8 @@ class System {
 
   // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
   // over the face in a cell), and what is deeper in bone than a penalty may leave. at: the evaluation at u.
-  // kOpen: of what is to be closed further, without sutures that are open by no more than their slack; kButWalls:
-  // likewise, without those whose walls are no farther from each other than walls that touch and do not fit may be.
+  // kOpen: of what is to be closed further, beyond the slack of sutures; kButWalls: likewise, without those whose walls
+  // are no farther from each other than walls that touch and do not fit may be.
   enum class Gaps : std::uint8_t { kAll, kOpen, kButWalls };
   double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at,
                      Gaps which = Gaps::kAll) const;
