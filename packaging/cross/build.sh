@@ -213,6 +213,7 @@ daemon() {
 
 unit_tests() {
     export WINEPREFIX="$cross/wine" WINEDEBUG=-all WINEPATH="$work/bin" LD_LIBRARY_PATH="$work/bin"
+    [ "$target" != linux-arm64 ] || export OPENBLAS_CORETYPE=ARMV8  # as Lappet starts the daemon there
     (cd "$work/daemon" && ctest --output-on-failure --parallel "$jobs")
 }
 

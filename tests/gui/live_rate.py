@@ -1,7 +1,9 @@
 """How often the skin follows a dragged hook in a real window, and whose processor time it costs: `run.py live_rate.py`.
 
-Two lattices of about 20 000 and 50 000 cells. Figures to read, not limits: a machine that draws in software and does
-other work too says how much time an update takes of each process, not how many there would be on another.
+Two lattices of about 20 000 and 50 000 cells: in a window where nothing moves, in the same window while it shows a
+dragged hook, and in it while it shows a text in place of the skin, as drawing in software takes most of an update.
+Figures to read, not limits: a machine that does other work too says how much time an update takes of each process, not
+how many there would be on another.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from tools import MODULE, height, prepare
 
 SPACINGS = {"20 000": 0.85, "50 000": 0.62}
 SECONDS, UPDATES = 12.0, 20
+STILL_SECONDS = 5.0
 STEP = 0.25  # mm that the hook moves between two updates: 4 mm/s at 15 updates a second
 _HERTZ = os.sysconf("SC_CLK_TCK")
 
@@ -76,9 +79,9 @@ class Costs:
         daemons = sum(processor_seconds(each) for each in self._daemons)
         return np.array([daemons, processor_seconds(self._worker), own, time.process_time() - own])
 
-    def words(self, updates: int) -> str:
-        """Milliseconds an update."""
-        each = 1e3 * (self._now() - self._begun) / max(updates, 1)
+    def words(self, count: float) -> str:
+        """Milliseconds of each of so many updates or seconds."""
+        each = 1e3 * (self._now() - self._begun) / max(count, 1)
         names = ("daemon", "worker", "Lappet's timer", "the rest of Blender, which draws in software,")
         return ", ".join(f"{name} {value:.0f} ms" for name, value in zip(names, each, strict=True))
 
@@ -116,12 +119,32 @@ def scenario(blender: Driver) -> Steps:
 
 
 def pulled(blender: Driver, controller: Any, timer: TimerCost, cells: str) -> Steps:
-    """Moves the target for a while and notes what came of it."""
-    scene = bpy.context.scene
+    """Drags in live mode: not at all, in a window that shows the skin, in one that does not."""
     bpy.ops.lappet.live()
     live = controller.live
     yield from blender.wait_until(lambda: live.frame is not None, 90.0, f"{cells} cells: the skin is there")
     yield 1.0
+    yield from still(blender, controller, timer, cells)
+    yield from followed(blender, controller, timer, f"{cells} cells")
+    area = blender.area()
+    area.type = "TEXT_EDITOR"
+    yield 1.0
+    yield from followed(blender, controller, timer, f"{cells} cells, not drawn")
+    area.type = "VIEW_3D"
+
+
+def still(blender: Driver, controller: Any, timer: TimerCost, cells: str) -> Steps:
+    """Leaves the target where it is for a while: what the window costs without a drag."""
+    costs, begun = Costs(controller.client.worker, timer), time.monotonic()
+    while time.monotonic() - begun < STILL_SECONDS:
+        yield 0.01
+    blender.notes[f"{cells} cells, still"] = f"a second costs the processor: {costs.words(time.monotonic() - begun)}"
+    print(f"{cells} cells, still: {blender.notes[f'{cells} cells, still']}", flush=True)
+
+
+def followed(blender: Driver, controller: Any, timer: TimerCost, name: str) -> Steps:
+    """Moves the target an update at a time."""
+    live, scene = controller.live, bpy.context.scene
     target, last, took = scene.lappet.events[1].target, live.frame, []
     converged, costs, begun = 0, Costs(controller.client.worker, timer), time.monotonic()
     target.location.z = 6.0 + 8.0 * STEP
@@ -137,12 +160,12 @@ def pulled(blender: Driver, controller: Any, timer: TimerCost, cells: str) -> St
     rate = len(took) / (time.monotonic() - begun)
     costs_of_each = costs.words(len(took))
     lattice = 0 if last.lattice is None else last.lattice.cells
-    blender.notes[f"{cells} cells"] = (
+    blender.notes[name] = (
         f"{lattice} cells, {rate:.1f} updates a second, {converged} of {len(took)} converged, median "
         f"{1e3 * float(np.median(took or [np.nan])):.0f} ms; an update costs the processor: {costs_of_each}"
     )
-    print(blender.notes[f"{cells} cells"], flush=True)
-    blender.expect(len(took) > 3, f"{cells} cells: the skin follows: {blender.notes[f'{cells} cells']}")
+    print(blender.notes[name], flush=True)
+    blender.expect(len(took) > 3, f"{name}: the skin follows: {blender.notes[name]}")
 
 
 if __name__ == "__main__":

@@ -33,8 +33,8 @@ def result(folder: Path, solver: FakeSolver, procedure: Any = None) -> SolveResu
 
 
 def test_the_report_has_every_key_and_kind(tmp_path: Path) -> None:
-    write_report(result(tmp_path / "store", FakeSolver()), tmp_path / "folder" / "r.json")
-    values = json.loads((tmp_path / "folder" / "r.json").read_text())
+    write_report(result(tmp_path / "store", FakeSolver()), tmp_path / "r.json")
+    values = json.loads((tmp_path / "r.json").read_text())
     assert misfits(values, REPORT) == []
     assert len(values["frames"]) == 8
     assert values["complete"] is True

@@ -56,6 +56,7 @@ def cache(
     folder = tmp_path_factory.mktemp("cache")
     write_procedure(procedure, folder / "p.usda")
     path = folder / "caches" / f"skin{request.param}"
+    path.parent.mkdir(exist_ok=True)
     write(path, folder / "p.usda", procedure, program, frames)
     return path
 

@@ -29,6 +29,17 @@ SETTINGS = ("--spacing", "4", "--frames", "1:12", "--no-error-estimate")
 # sums in another way, as does another instruction set: a frame then ends elsewhere within the solver's tolerance.
 MAX_DIFFERENCES = {"windows-x64": 1e-4, "linux-x64": 0.02, "linux-arm64": 0.02}
 
+# Suites of the daemon's unit tests that end within ten seconds under qemu.
+QUICK_ON_ARM = (
+    "AugmentedLagrangian BlockLayout BoneBodies BoneDistance ByLittle/BoxesInEachOther CellMaterials "
+    "CoarseProduct Decode DecodeLoads DisplacementLimits Embedding Encode FacePieces Fiber FiberFamilies "
+    "GateAddress GateTest KeysFolderTest LeaveSaddle Loopback MaterialModels MaterialStates Materials/0 "
+    "Materials/1 Materials/2 Materials/3 Message MooneyRivlin Muscle NeoHookean Nonmanifold Platform Prestretch "
+    "RandomCuts/CutLattices ResidualClusters RetrySchedule RigidMotion Roles SeriesEstimate ServerOptions "
+    "SessionLimits Sewn StateTransfer Strands Svd3 SymmetricEigen3 Thread TissueSamples TokenBucket Untangling "
+    "VoxelTree Voxelize WallEnds Weight"
+)
+
 pytestmark = pytest.mark.slow
 
 
@@ -107,6 +118,24 @@ def test_it_solves_the_z_plasty_as_the_daemon_of_the_checkout_does(
     difference = max(np.abs(found[key] - expected[key]).max() for key in expected)
     print(f"{target}: the frames differ by at most {difference:.2g} mm")
     assert difference <= MAX_DIFFERENCES[target]
+
+
+@pytest.mark.timeout(600)
+def test_its_quick_unit_tests_pass_on_arm() -> None:
+    tests = cross_wheel.WORK / "linux-arm64" / "daemon" / "solverd" / "solverd_tests"
+    if not tests.is_file() or shutil.which("qemu-aarch64") is None:
+        pytest.skip("UNIT TESTS ARE NOT RUN ON ARM: run packaging/cross/build.sh linux-arm64 --tests, with qemu-user")
+    suites = ":".join(f"{name}.*" for name in QUICK_ON_ARM.split())
+    done = subprocess.run(
+        ["qemu-aarch64", "-cpu", "cortex-a72", "-L", "/usr/aarch64-linux-gnu", str(tests), f"--gtest_filter={suites}"],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=550,
+        env={**os.environ, "OPENBLAS_CORETYPE": "ARMV8", "LD_LIBRARY_PATH": str(tests.parents[2] / "bin")},
+    )
+    assert done.returncode == 0, done.stdout[-4000:]
+    assert "[  PASSED  ]" in done.stdout
 
 
 @pytest.mark.parametrize("target", sorted(RUNNERS))

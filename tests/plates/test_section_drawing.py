@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lappet.anatomy.tissue_kind import KINDS
+from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.drawing.deep_bed import BED_GAP
 from lappet.drawing.framing import half_angles
 from lappet.drawing.section_plane import SectionPlane
 from lappet.drawing.skin_read import SkinCache
-from lappet.plates.filled_areas import AreaKind
+from lappet.plates.filled_areas import WALL_AREAS, AreaKind, wall_kinds
 from lappet.plates.plate_cache import chosen_steps
 from lappet.plates.plate_scene import PlateScene, plate_scene
+from lappet.plates.plate_style import STYLES, PlateStyle
 from lappet.plates.section_drawing import section_drawing, section_line, section_projection
 
 SIZE = (54.0, 40.5)
@@ -60,6 +63,30 @@ def test_areas_of_a_section_are_layers(scene: PlateScene, cache: SkinCache) -> N
     kinds = {tuple(AreaKind)[k] for k in np.unique(drawing.pixels.kind) if k >= 0}
     assert kinds <= {AreaKind.WALL_SKIN, AreaKind.WALL_FAT, AreaKind.WALL_DEEP}
     assert kinds
+
+
+def test_each_kind_of_tissue_is_an_area_of_its_own_in_the_order_of_its_depth() -> None:
+    order = ("skin", "fat", "fascia", "muscle", "cartilage")
+    kinds = np.array([KINDS.index(name) for name in order], np.int32)
+    layers = TissueLayers(np.zeros(5, np.int32), np.arange(5.0), kinds)
+    found = wall_kinds(np.arange(5) + 0.5, np.zeros(5, np.int64), layers)
+    assert [tuple(AreaKind)[k] for k in found] == [AreaKind(f"wall-{name}") for name in order]
+
+
+def luminance(color: str) -> float:
+    """Relative luminance of #rrggbb (WCAG 2.2)."""
+    levels = np.array([int(color[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    linear = np.where(levels <= 0.04045, levels / 12.92, ((levels + 0.055) / 1.055) ** 2.4)
+    return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
+@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+def test_cartilage_and_fascia_are_pale_and_muscle_is_dark_in_every_style(style: PlateStyle) -> None:
+    muscle = luminance(style.fills[AreaKind.WALL_MUSCLE])
+    for kind in (AreaKind.WALL_CARTILAGE, AreaKind.WALL_FASCIA):
+        assert (luminance(style.fills[kind]) + 0.05) / (muscle + 0.05) > 1.4
+    walls = {style.fills[kind] for kind in WALL_AREAS.values()}
+    assert len(walls) == len(set(WALL_AREAS.values()))
 
 
 def test_what_the_tissue_lies_on_is_a_band_below_it(scene: PlateScene, cache: SkinCache) -> None:

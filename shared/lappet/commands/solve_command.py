@@ -76,7 +76,9 @@ def solve(
     if share is not None and options["daemon"] is None:
         raise click.UsageError("--share is of no use without --daemon: nobody else reaches a daemon of your own.")
     with sentences(context):
-        _check_places(report_path, (forces_path, hooks_path, seams_path, reactions_path, sections_path))
+        for path in (report_path, forces_path, hooks_path, seams_path, reactions_path, sections_path):
+            if path is not None:
+                check_place(path)
         reading = context.with_resource(ProcedureFile(procedure, limits))  # it runs while the rest is loaded
         from lappet.commands.run_solve import run_solve, run_to_target, summary, write_tables
 
@@ -104,15 +106,6 @@ def solve(
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)
-
-
-def _check_places(report: Path | None, tables: tuple[Path | None, ...]) -> None:
-    """Refuse files that could not be written once all is solved; the report's folder is made, as by its writer."""
-    if report is not None:
-        report.absolute().parent.mkdir(parents=True, exist_ok=True)
-    for path in (report, *tables):
-        if path is not None:
-            check_place(path)
 
 
 def _lying(file: ProcedureFile, position: tuple[float, float, float] | None, gravity: float | None) -> Procedure:

@@ -9,7 +9,7 @@ from lappet.core.problem import RefusedError
 from lappet.daemon.running_daemon import RunningDaemon
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.output.skin_cache import write_skin_cache
-from lappet.output.solve_to_cache import SolveResult, check_source, read_source, refuse_output
+from lappet.output.solve_to_cache import SolveResult, check_source, read_source
 from lappet.procedure import Procedure
 from lappet.program.compile import DEFAULT, compile_program
 from lappet.program.settings import SolverSettings
@@ -69,7 +69,6 @@ def follow_procedure(
     """
     started = time.perf_counter()
     watch, output = observer or SolveObserver(), Path(output)
-    refuse_output(output)
     procedure, path, notes = read_source(source, output, limits)
     notes += check_source(procedure, settings)
     program = compile_program(procedure, settings=settings)

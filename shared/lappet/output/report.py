@@ -116,7 +116,7 @@ def report(result: SolveResult) -> dict[str, Any]:
 
 
 def write_report(result: SolveResult, path: Path | str) -> None:
-    """Write the report of a solve atomically; its folder is made.
+    """Write the report of a solve atomically.
 
     Parameters
     ----------
@@ -131,7 +131,6 @@ def write_report(result: SolveResult, path: Path | str) -> None:
         If the file system refuses.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(report(result), indent=1, allow_nan=False) + "\n"
     write_whole(path, text.encode())
 

@@ -48,7 +48,7 @@ def write_skin_cache(
     Parameters
     ----------
     output
-        The file (.usdc, .usda or .usd); its folder is made.
+        The file (.usdc, .usda or .usd).
     procedure_path
         The procedure's file, which the cache refers to by a path relative to `output`.
     procedure
@@ -70,7 +70,6 @@ def write_skin_cache(
         If the file system refuses.
     """
     output = Path(output)
-    output.parent.mkdir(parents=True, exist_ok=True)
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
     _author(layer, procedure, program, frames, last_key)
     _add_measures(pxr().Usd.Stage.Open(layer), program, frames, measures)

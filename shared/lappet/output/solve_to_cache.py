@@ -183,7 +183,6 @@ def solve_procedure(
     """
     started = time.perf_counter()
     watch, output = _Noting(observer or SolveObserver()), Path(output)
-    refuse_output(output)
     procedure, path, notes = read_source(source, output, limits)
     notes += check_source(procedure, settings)
     first, last = _range(procedure, frames)
@@ -271,31 +270,6 @@ def _shared(watch: SolveObserver, seconds: float) -> Callable[[int], None]:
     return wait
 
 
-def refuse_output(output: Path) -> None:
-    """Refuse, before anything is solved, a file that the skin cache could not be written to.
-
-    Parameters
-    ----------
-    output
-        The skin cache.
-
-    Raises
-    ------
-    RefusedError
-        If it has another suffix, or the file system refuses.
-    """
-    if output.suffix not in SUFFIXES:
-        raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
-    if output.is_dir():
-        raise refused(ProblemCode.CACHE_IS_FOLDER, output)
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=output.parent):
-            pass
-    except OSError as error:
-        raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
-
-
 def read_source(
     source: Path | str | Procedure | ProcedureFile, output: Path, limits: ReadLimits
 ) -> tuple[Procedure, Path, list[Problem]]:
@@ -318,9 +292,10 @@ def read_source(
     Raises
     ------
     RefusedError
-        If it is no procedure, or the cache would take its place.
+        If it is no procedure, or the cache would take its place or cannot be written.
     """
     if isinstance(source, Procedure):
+        _refuse_output(output)
         path = output.with_suffix(".procedure.usda")
         write_procedure(source, path)
         return source, path, []
@@ -330,7 +305,25 @@ def read_source(
     notes: list[Problem] = []
     with source if isinstance(source, ProcedureFile) else ProcedureFile(path, limits) as file:
         pxr()  # loaded while the child reads; the skin cache needs it
-        return file.procedure(notes), path, notes
+        procedure = file.procedure(notes)  # of a file that is not there nobody wants to hear about its cache
+    _refuse_output(output)
+    return procedure, path, notes
+
+
+def _refuse_output(output: Path) -> None:
+    """Refuse, before anything is solved, a file that the skin cache could not be written to."""
+    if output.suffix not in SUFFIXES:
+        raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
+    if output.is_dir():
+        raise refused(ProblemCode.CACHE_IS_FOLDER, output)
+    folder = output.absolute().parent
+    if not folder.is_dir():  # of a mistyped path nobody would find the cache
+        raise refused(ProblemCode.FILE_NO_FOLDER, output, folder)
+    try:
+        with tempfile.TemporaryFile(dir=output.parent):
+            pass
+    except OSError as error:
+        raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
 
 
 def check_source(procedure: Procedure, settings: SolverSettings) -> list[Problem]:

@@ -34,7 +34,10 @@ class AreaKind(StrEnum):
     BED = "bed"
     WALL_SKIN = "wall-skin"
     WALL_FAT = "wall-fat"
-    WALL_DEEP = "wall-deep"
+    WALL_FASCIA = "wall-fascia"
+    WALL_MUSCLE = "wall-muscle"
+    WALL_CARTILAGE = "wall-cartilage"
+    WALL_DEEP = "wall-deep"  # of which nobody says what it is
     BONE = "bone"
     EYE = "eye"
     IRIS = "iris"
@@ -85,7 +88,19 @@ class SeenPixels:
     quantity: NDArray[np.float64] | None = None
 
 
+# What each kind of tissue is on a wound wall.
+WALL_AREAS = {
+    "skin": AreaKind.WALL_SKIN,
+    "scar": AreaKind.WALL_SKIN,
+    "mucosa": AreaKind.WALL_SKIN,
+    "fat": AreaKind.WALL_FAT,
+    "fascia": AreaKind.WALL_FASCIA,
+    "muscle": AreaKind.WALL_MUSCLE,
+    "cartilage": AreaKind.WALL_CARTILAGE,
+    "other": AreaKind.WALL_DEEP,
+}
 _ORDER = tuple(AreaKind)
+_WALLS = np.array([_ORDER.index(WALL_AREAS[name]) for name in KINDS])
 _SCENERY = np.array([_ORDER.index(AreaKind(kind)) for kind in SCENERY_KINDS])
 
 
@@ -198,10 +213,7 @@ def wall_kinds(below: NDArray[np.float64], column: NDArray[np.int64], layers: Ti
     NDArray[np.int64]
         Indices in `AreaKind`, shape (k,).
     """
-    skin, fat, deep = (_ORDER.index(each) for each in (AreaKind.WALL_SKIN, AreaKind.WALL_FAT, AreaKind.WALL_DEEP))
-    tissue = layers.kind[layers.layers_at(column, below)]
-    names = np.array([skin if name in ("skin", "scar", "mucosa") else fat if name == "fat" else deep for name in KINDS])
-    found: NDArray[np.int64] = names[tissue]
+    found: NDArray[np.int64] = _WALLS[layers.kind[layers.layers_at(column, below)]]
     return found
 
 

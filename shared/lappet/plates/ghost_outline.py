@@ -10,7 +10,7 @@ from shapely import LineString, Polygon, unary_union
 
 from lappet.plates.drawn_surface import drawn_surface
 from lappet.plates.feature_lines import LineKind, surface_lines
-from lappet.plates.filled_areas import Area, AreaKind, filled_areas, seen_pixels
+from lappet.plates.filled_areas import WALL_AREAS, Area, AreaKind, filled_areas, seen_pixels
 from lappet.plates.panel_drawing import clipped
 from lappet.plates.plate_request import PlateRow
 from lappet.plates.plate_scene import PlateScene
@@ -22,7 +22,7 @@ _CELL = 0.5  # mm on paper
 _JOIN = 0.2  # mm on paper: ends of planned cuts that come so near close an area
 # Lines of operations that are drawn over a panel, in their order.
 VARIANTS = (LineKind.VARIANT, LineKind.VARIANT_2, LineKind.VARIANT_3)
-_OPEN = (AreaKind.BED, AreaKind.FLAP_UNDERSIDE, AreaKind.WALL_SKIN, AreaKind.WALL_FAT, AreaKind.WALL_DEEP)
+_OPEN = (AreaKind.BED, AreaKind.FLAP_UNDERSIDE, *WALL_AREAS.values())
 
 
 def ghost_outline(scene: PlateScene, time: float, size: tuple[float, float]) -> list[Stroke]:

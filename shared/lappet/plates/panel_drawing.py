@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from shapely import LineString, box
 
-from lappet.anatomy.tissue_kind import KINDS
-from lappet.anatomy.tissue_layers import TissueLayers
 from lappet.plates.drawn_surface import DrawnSurface, drawn_surface
 from lappet.plates.feature_lines import FeatureLine, LineKind, surface_lines
 from lappet.plates.filled_areas import Area, AreaKind, SeenPixels, filled_areas, seen_pixels
@@ -34,14 +32,19 @@ _LEAST_AREA = 6.0  # mm² on paper of an area that is named
 _SHARES = np.linspace(0.1, 0.9, 7)  # of a stroke, at which a leader may end
 _MOST_STROKES = 8  # of a kind that leaders may run to
 _LEAST_LENGTH = 4.0  # mm on paper of strokes that are named
-_SHALLOW, _NAMED = {"skin", "scar", "mucosa", "fat"}, {"fascia", "muscle", "cartilage"}
 # Kinds of areas and of strokes that have labels, in the catalogue's words.
+_DEEP_LABELS = {
+    AreaKind.WALL_FASCIA: "wall.fascia",
+    AreaKind.WALL_MUSCLE: "wall.muscle",
+    AreaKind.WALL_CARTILAGE: "wall.cartilage",
+    AreaKind.WALL_DEEP: "label.wall-deep",
+}
 AREA_LABELS = {
     AreaKind.BED: "label.bed",
     AreaKind.FLAP_UNDERSIDE: "label.underside",
     AreaKind.WALL_FAT: "label.wall-fat",
     AreaKind.WALL_SKIN: "label.wall-skin",
-    AreaKind.WALL_DEEP: "label.wall-deep",
+    **_DEEP_LABELS,
 }
 STROKE_LABELS = {
     LineKind.PLAN: "label.plan",
@@ -57,7 +60,7 @@ STROKE_LABELS = {
 SECTION_LABELS = {
     AreaKind.WALL_SKIN: "section.skin",
     AreaKind.WALL_FAT: "label.wall-fat",
-    AreaKind.WALL_DEEP: "label.wall-deep",
+    **_DEEP_LABELS,
     AreaKind.BONE: "section.bone",
 }
 
@@ -190,25 +193,6 @@ def _seen(surface: DrawnSurface, pixels: SeenPixels) -> NDArray[np.bool_]:
     corner[surface.triangles[np.unique(pixels.triangle[pixels.triangle >= 0])]] = True
     beside: NDArray[np.bool_] = corner[surface.triangles].any(axis=1)
     return beside
-
-
-def wall_key(key: str, layers: TissueLayers) -> str:
-    """Name the deep layer of a tissue by what it is, where it is one thing.
-
-    Parameters
-    ----------
-    key
-        A label's key in the catalogue.
-    layers
-        The layers of the tissue.
-
-    Returns
-    -------
-    str
-        The key; that of fascia, muscle or cartilage in place of the deep layer's where all deep layers are that.
-    """
-    deep = {KINDS[kind] for kind in layers.kind.tolist()} - _SHALLOW
-    return f"wall.{deep.pop()}" if key == "label.wall-deep" and len(deep) == 1 and deep <= _NAMED else key
 
 
 def label_sites(drawing: PanelDrawing, areas: Mapping[AreaKind, str] = AREA_LABELS) -> dict[str, NDArray[np.float64]]:

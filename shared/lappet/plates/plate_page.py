@@ -31,8 +31,7 @@ GUTTER = 4.0  # mm
 _PANEL = 54.0  # mm: panels are not made narrower than about this, so that their labels have room
 _MOST_NAMES = 12  # in a sentence
 _ASPECT, _SECTION_ASPECT = 0.75, 0.45  # height of a panel over its width
-_WALLS = ("wall.fascia", "wall.muscle", "wall.cartilage")
-_LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values(), *_WALLS)
+_LABELS = (*STROKE_LABELS.values(), *AREA_LABELS.values(), *SECTION_LABELS.values())
 
 
 @dataclass(frozen=True, eq=False)

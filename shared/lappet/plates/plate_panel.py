@@ -26,7 +26,6 @@ from lappet.plates.panel_drawing import (
     clipped,
     label_sites,
     panel_drawing,
-    wall_key,
 )
 from lappet.plates.plate_font import PlateFont
 from lappet.plates.plate_request import PlateRequest
@@ -175,7 +174,7 @@ class PanelMaker:
         notes = self._notes(scene, steps, k, drawing)
         sites = label_sites(drawing, areas) if request.labels else {}
         fresh = told.choose([key for key, site in sites.items() if _free(site, places)])
-        named = [(self.words(wall_key(key, scene.source.layers)), sites[key]) for key in fresh] + notes.named
+        named = [(self.words(key), sites[key]) for key in fresh] + notes.named
         if areas is AREA_LABELS:
             named += _landmarks(scene, drawing, request.landmarks, self.size)
             named += self._variant_names(drawing, told)

@@ -244,8 +244,10 @@ class FrameSearch {
     if (!follows_freely() || attempt.from_rest || attempt.load_steps > 1) epoch_.preconditioner.restart();
     options_.last_step_tells = follows_freely();
     found_.effort.load_steps = attempt.load_steps;
-    options_.neighborhood_first = settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() &&
-                                  attempt.load_steps == 1 && found_.untangled == 0;
+    // While something is dragged the whole keeps its coarse operator, which a neighborhood cannot.
+    options_.neighborhood_first = settings_.region == "auto" && !settings_.live &&
+                                  !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1 &&
+                                  found_.untangled == 0;
     clear_motion();
     if (!attempt.from_rest && attempt.load_steps == 1 && (settings_.live || !before_.stability.is_of(digest(frame_)))) {
       options_.motion = before_.motion;

@@ -97,6 +97,20 @@ TEST(ChangeNeighborhood, WhatAHookDoesNotReachStaysAtRestAndTheRestIsWhereAnExac
   }
 }
 
+// Where something is dragged the whole keeps its coarse operator, which a neighborhood cannot.
+TEST(ChangeNeighborhood, WhatIsDraggedIsSolvedEverywhere) {
+  SessionSettings settings = patch_settings("auto");
+  settings.stability = false;
+  settings.live = true;
+  Session session(settings);
+  session.set_epoch(patch());
+  for (int k = 1; k <= 4; ++k) {
+    const FrameOutput found = session.solve(lifted(1, 0.5 * k), {}, kNever);
+    ASSERT_TRUE(found.converged) << found.failure.message;
+    EXPECT_EQ(found.active_cells, kCells) << k;
+  }
+}
+
 TEST(ChangeNeighborhood, ASutureIsDrawnTogetherThereAndItsMultiplierIsKept) {
   Session session(patch_settings("auto")), exact(exact_settings());
   session.set_epoch(patch());
