@@ -60,7 +60,7 @@ def test_the_suture_that_is_open_the_farthest_is_named(closed: tuple[Program, Fr
 
 def test_walls_that_keep_what_walls_keep_are_not_named(closed: tuple[Program, FrameResult]) -> None:
     program, frame = closed
-    assert held_apart_notes(program, [frame, held_open(frame, 0.99 * contact_reach(1.0))]) == []
+    assert held_apart_notes(program, [frame, held_open(frame, 1.24 * contact_reach(1.0))]) == []
 
 
 def test_without_self_contact_nothing_holds_a_suture_open(closed: tuple[Program, FrameResult]) -> None:

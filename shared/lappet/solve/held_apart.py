@@ -10,6 +10,9 @@ from lappet.program.program import Program
 from lappet.solve.contact_reach import contact_reach
 from lappet.solve.solve_frames import FrameResult
 
+# Of the distance from which on surfaces press on each other: so far apart a suture has closed, as the daemon has it.
+_CLOSED = 1.25
+
 
 def held_apart_notes(program: Program, frames: Sequence[FrameResult]) -> list[Problem]:
     """Find the suture that tissue between its ends holds open the farthest.
@@ -25,17 +28,19 @@ def held_apart_notes(program: Program, frames: Sequence[FrameResult]) -> list[Pr
     -------
     list[Problem]
         With self-contact a note of the suture with the largest gap in a converged frame in which tissue touches, if
-        that is more than walls that touch keep from each other: how large it is, and how many sutures more are held
-        open so. Else none.
+        that is more than sutures leave where walls touch: how large it is, and how many sutures more are held open
+        so. Else none.
     """
     if not program.settings.self_contact:
         return []
+    settings = program.settings
+    closed = _CLOSED * contact_reach(settings.spacing) + settings.gap_tolerance * settings.spacing
     largest: dict[int, tuple[float, float]] = {}  # gap and time, by suture
     for frame in frames:
         if not frame.solved.converged or not frame.solved.diagnostics.self_contacts:
             continue
         for index, gap in zip(frame.solved.suture_index.tolist(), frame.solved.suture_gaps.tolist(), strict=True):
-            if gap > largest.get(index, (contact_reach(program.settings.spacing), 0.0))[0]:
+            if gap > largest.get(index, (closed, 0.0))[0]:
                 largest[index] = (gap, frame.constraints.time)
     if not largest:
         return []
