@@ -52,6 +52,7 @@ def wide_patch() -> Procedure:
 
 def solved_from_shell(procedure: Path, folder: Path, *options: str) -> tuple[dict[str, Any], list[NDArray[Any]]]:
     """The report, and the skin's points of every frame after the cut."""
+    folder.mkdir()
     cache, report = folder / "cache.usdc", folder / "report.json"
     arguments = ["solve", str(procedure), "-o", str(cache), "--report", str(report), "--store", str(folder / "store")]
     done = CliRunner().invoke(cli, [*arguments, "--no-error-estimate", *options])
