@@ -79,11 +79,20 @@ Eigen::Matrix3d root_of(const Vec3& along, double across, double stiff) {
          (std::sqrt(stiff) - std::sqrt(across)) / share * along * along.transpose();
 }
 
-// The share of a suture's pull, stiffness z, that lies beyond what its slack takes.
-double share_beyond(const Vec3& pull, double taken) {
-  if (taken == 0.0) return 1.0;
-  const double size = pull.norm();
-  return size > taken ? 1.0 - taken / size : 0.0;
+// How a suture pulls by what its pull would be without slack: nothing at less than its slack takes, all beyond at more,
+// and smoothly in between, over this share of it to either side, so that Newton's method meets no kink there. Chosen.
+constexpr double kSoftShare = 0.1;
+
+struct Pulled {
+  double force, slope, energy;  // the slope by the pull, and the integral of the force over it
+};
+
+Pulled beyond_slack(double pull, double taken) {
+  const double over = pull - taken, width = kSoftShare * taken;
+  if (over <= -width) return {0.0, 0.0, 0.0};
+  if (over >= width) return {over, 1.0, 0.5 * over * over + width * width / 6.0};
+  const double in = over + width;
+  return {in * in / (4.0 * width), in / (2.0 * width), in * in * in / (12.0 * width)};
 }
 
 }  // namespace
@@ -97,7 +106,9 @@ std::vector<Vec3> PointConstraint::forces(std::span<const Vec3> c, const Vec3& m
   result.reserve(c.size());
   if (!thread) {
     const Vec3 pull = stiffness * c.front() + multiplier;
-    result.emplace_back(share_beyond(pull, stiffness * slack) * pull);
+    const double size = pull.norm();
+    result.emplace_back(
+        slack > 0.0 ? Vec3(size > 0.0 ? beyond_slack(size, stiffness * slack).force / size * pull : pull) : pull);
     return result;
   }
   const double held = tension(c, multiplier);
@@ -109,7 +120,9 @@ std::vector<Vec3> PointConstraint::forces(std::span<const Vec3> c, const Vec3& m
 // rest length.
 double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) const {
   if (!thread && slack > 0.0)
-    return (forces(c, multiplier).front().squaredNorm() - multiplier.squaredNorm()) / (2.0 * stiffness);
+    return (beyond_slack((stiffness * c.front() + multiplier).norm(), stiffness * slack).energy -
+            0.5 * multiplier.squaredNorm()) /
+           stiffness;
   if (!thread) return c.front().dot(0.5 * stiffness * c.front() + multiplier);
   const double pull = unlimited(*this, c, multiplier);
   const double held = std::clamp(pull, 0.0, thread->most);
@@ -121,13 +134,14 @@ double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) 
 void PointConstraint::add_tangent(std::span<const Vec3> c, const Vec3& multiplier, PointTangent& tangent) const {
   if (!thread) {
     const Vec3 pull = stiffness * c.front() + multiplier;
-    const double share = share_beyond(pull, stiffness * slack);
-    if (share == 0.0)
-      tangent.roots.emplace_back(Eigen::Matrix3d::Zero());
-    else if (share == 1.0)
+    const double size = pull.norm();
+    if (slack == 0.0) {
       tangent.roots.emplace_back(std::sqrt(stiffness) * Eigen::Matrix3d::Identity());
-    else
-      tangent.roots.push_back(root_of(pull.normalized(), share * stiffness, stiffness));
+    } else if (const Pulled held = beyond_slack(size, stiffness * slack); held.force == 0.0) {
+      tangent.roots.emplace_back(Eigen::Matrix3d::Zero());
+    } else {
+      tangent.roots.push_back(root_of(pull / size, held.force / size * stiffness, held.slope * stiffness));
+    }
     return;
   }
   const double held = tension(c, multiplier);
