@@ -79,20 +79,10 @@ Eigen::Matrix3d root_of(const Vec3& along, double across, double stiff) {
          (std::sqrt(stiff) - std::sqrt(across)) / share * along * along.transpose();
 }
 
-// How a suture pulls by what its pull would be without slack: nothing at less than its slack takes, all beyond at more,
-// and smoothly in between, over this share of it to either side, so that Newton's method meets no kink there. Chosen.
-constexpr double kSoftShare = 0.1;
-
-struct Pulled {
-  double force, slope, energy;  // the slope by the pull, and the integral of the force over it
-};
-
-Pulled beyond_slack(double pull, double taken) {
-  const double over = pull - taken, width = kSoftShare * taken;
-  if (over <= -width) return {0.0, 0.0, 0.0};
-  if (over >= width) return {over, 1.0, 0.5 * over * over + width * width / 6.0};
-  const double in = over + width;
-  return {in * in / (4.0 * width), in / (2.0 * width), in * in * in / (12.0 * width)};
+// What is left of the pull of a suture beyond what its slack takes, z - P(z), as a share of it, z.
+double beyond_slack(const PointConstraint& constraint, const Vec3& pull) {
+  if (constraint.slack == 0.0) return 1.0;
+  return std::max(1.0 - constraint.stiffness * constraint.slack / pull.norm(), 0.0);
 }
 
 }  // namespace
@@ -106,9 +96,7 @@ std::vector<Vec3> PointConstraint::forces(std::span<const Vec3> c, const Vec3& m
   result.reserve(c.size());
   if (!thread) {
     const Vec3 pull = stiffness * c.front() + multiplier;
-    const double size = pull.norm();
-    result.emplace_back(
-        slack > 0.0 ? Vec3(size > 0.0 ? beyond_slack(size, stiffness * slack).force / size * pull : pull) : pull);
+    result.emplace_back(beyond_slack(*this, pull) * pull);
     return result;
   }
   const double held = tension(c, multiplier);
@@ -119,11 +107,10 @@ std::vector<Vec3> PointConstraint::forces(std::span<const Vec3> c, const Vec3& m
 // The integral of the tension over the length; like that of a spring with a multiplier, zero where the length is the
 // rest length.
 double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) const {
-  if (!thread && slack > 0.0)
-    return (beyond_slack((stiffness * c.front() + multiplier).norm(), stiffness * slack).energy -
-            0.5 * multiplier.squaredNorm()) /
-           stiffness;
-  if (!thread) return c.front().dot(0.5 * stiffness * c.front() + multiplier);
+  if (!thread) {
+    const Vec3 pull = stiffness * c.front() + multiplier;
+    return 0.5 * ((beyond_slack(*this, pull) * pull).squaredNorm() - multiplier.squaredNorm()) / stiffness;
+  }
   const double pull = unlimited(*this, c, multiplier);
   const double held = std::clamp(pull, 0.0, thread->most);
   const double beyond = std::max(pull - thread->most, 0.0);
@@ -134,14 +121,8 @@ double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) 
 void PointConstraint::add_tangent(std::span<const Vec3> c, const Vec3& multiplier, PointTangent& tangent) const {
   if (!thread) {
     const Vec3 pull = stiffness * c.front() + multiplier;
-    const double size = pull.norm();
-    if (slack == 0.0) {
-      tangent.roots.emplace_back(std::sqrt(stiffness) * Eigen::Matrix3d::Identity());
-    } else if (const Pulled held = beyond_slack(size, stiffness * slack); held.force == 0.0) {
-      tangent.roots.emplace_back(Eigen::Matrix3d::Zero());
-    } else {
-      tangent.roots.push_back(root_of(pull / size, held.force / size * stiffness, held.slope * stiffness));
-    }
+    const double across = stiffness * beyond_slack(*this, pull);
+    tangent.roots.push_back(root_of(pull.normalized(), across, across > 0.0 ? stiffness : 0.0));
     return;
   }
   const double held = tension(c, multiplier);

@@ -9,8 +9,8 @@
 //
 // A suture may have slack D: it demands |c| <= D, c in a ball. With z = c + lambda/stiffness and P(z) the point of the
 // ball nearest to it, the augmented Lagrangian is stiffness/2 |z - P(z)|^2, and the multiplier moves on to the force,
-// stiffness (z - P(z)), so that it falls again where less is to be held (Rockafellar 1976 for convex sets); the force
-// begins smoothly about D (Newton steps to and fro at a kink). For D = 0 it is the same as above.
+// stiffness (z - P(z)), so that it falls again where less is to be held (Rockafellar 1976 for convex sets). For D = 0
+// it is the same as above.
 //
 // A thread only pulls. It slides through its anchors, so it has one tension T: it goes by the sum L of the lengths
 // |c_j| of its pieces, each between an anchor and the next and smoothed near zero, T = stiffness (L - length) + lambda,

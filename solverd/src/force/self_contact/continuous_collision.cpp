@@ -11,7 +11,6 @@ namespace lappet {
 namespace {
 
 constexpr int kMaxSteps = 100;      // where more are needed the way ends
-constexpr double kAtEnd = 1.1;      // of what is to be kept: nearer, the way ends
 constexpr double kRounding = 1e-9;  // of what is to be kept, so that rounding takes nothing off it
 
 // between: the vector between the closest points of four points.
@@ -24,7 +23,7 @@ double advance(const std::array<Vec3, 4>& at, const std::array<Vec3, 4>& way, do
     const Vec3 apart = between(now);
     const double distance = apart.norm();
     if (k == 0) kept = (1.0 + kRounding) * std::min(kDistanceKept * distance, enough);
-    if (!(distance > kAtEnd * kept)) return clear;
+    if (!(distance > kWayEnds * kept)) return clear;
     const double step = share_apart_along<kFirst>(now, way, apart / distance, kept, most - clear);
     clear += step;
     if (!(clear < most)) return most;

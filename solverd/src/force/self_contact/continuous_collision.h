@@ -13,6 +13,8 @@ namespace lappet {
 
 // Of the distance at the start, what is left all the way at least.
 inline constexpr double kDistanceKept = 0.2;
+// The way ends nearer than this many times what is to be kept.
+inline constexpr double kWayEnds = 1.1;
 
 // The share of the way, `most` at most. at, way: of the point and the corners of the triangle; enough: a distance in mm
 // that is never too little.

@@ -29,13 +29,15 @@ double reach_at(double spacing) { return kReach * spacing * std::max(spacing / k
 
 constexpr std::size_t kPairsPerChunk = 128;
 
-// Whether the direction in which a candidate was found tells that it stays out of its reach on such a share of the way.
+// Whether the direction in which a candidate was found tells that it stays so far out of its reach, on such a share of
+// the way, that the way does not end there.
 template <int kFirst, class Pair>
 bool stays_out_of_reach(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& way, double share,
                         const Pair& pair) {
   const Vec3 direction = pair.direction.template cast<double>();
-  return apart_along<kFirst>(from, direction) >= pair.reach &&
-         share_apart_along<kFirst>(from, way, direction, pair.reach, share) >= share;
+  const double enough = kWayEnds * pair.reach;
+  return apart_along<kFirst>(from, direction) > enough &&
+         share_apart_along<kFirst>(from, way, direction, enough, share) >= share;
 }
 
 // The least of the shares that body(k, most) finds for each pair, given what is left of the step so far.

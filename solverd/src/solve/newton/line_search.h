@@ -54,8 +54,15 @@ class LineSearch {
     while (true) {
       evaluate_at(u, step, alpha, now);
       const bool upright = stays_upright(before, now, alpha);
-      if (upright && now.energy <= before.energy + kArmijo * alpha * slope + slack) break;
-      if (upright && falls_as_slopes_tell(before, now, step, slope)) {
+      const bool lower = now.energy <= before.energy + kArmijo * alpha * slope + slack;
+      // Where the energy of all of the tissue is rounded more coarsely than a step changes it, the slopes along the
+      // step decide (Hager and Zhang 2005, the approximate Wolfe conditions): also what lowers it may lead too far, and
+      // the next step back.
+      const bool rounded = upright && std::abs(now.energy - before.energy) <= rounding(before.energy);
+      const double last = rounded ? slope_of(now, step) : 0.0;
+      const bool overshot = last > -kFlatter * slope;
+      if (upright && lower && !overshot) break;
+      if (rounded && !overshot && last >= kFlatter * slope) {
         copy<Real>(trial_, u);
         taken.alpha = alpha;
         return taken;
@@ -68,7 +75,9 @@ class LineSearch {
       const double bend = now.energy - before.energy - alpha * slope;
       // What meets bone or tissue along the way bends the energy late: a parabola from the start would make the step
       // too short.
-      if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact() && !now.self_contact.touches())
+      if (overshot)
+        shrink = slope / (slope - last);
+      else if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact() && !now.self_contact.touches())
         shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
       alpha *= shrink;
     }
@@ -149,13 +158,6 @@ class LineSearch {
 
   bool stays_upright(const EvaluationSummary& before, const EvaluationSummary& now, double alpha) const {
     return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
-  }
-  // Where the energy of all of the tissue is rounded more coarsely than a step changes it, the slopes along the step
-  // decide (Hager and Zhang 2005, the approximate Wolfe conditions).
-  bool falls_as_slopes_tell(const EvaluationSummary& before, const Evaluation& now, std::span<const Real> step,
-                            double slope) const {
-    if (!(now.energy <= before.energy + rounding(before.energy))) return false;
-    return std::abs(slope_of(now, step)) <= kFlatter * std::abs(slope);
   }
   // These write a new evaluation over one that is no longer needed.
   void evaluate(std::span<const Real> u, Evaluation& now) { now = system_.evaluate(u, multipliers_, std::move(now)); }

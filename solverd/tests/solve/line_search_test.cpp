@@ -1,0 +1,83 @@
+// The line search where the energy of all of the tissue is rounded more coarsely than a step changes it.
+#include "solve/newton/line_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "cut_sheet.h"
+
+namespace lappet {
+namespace {
+
+constexpr double kSpring = 10.0;  // mN/mm
+
+// A sheet whose middle a hook begins to pull up to a place `away` mm above it. A step moves the hooked node alone, by
+// so many times the way that lowers the energy most.
+struct HookedSheet {
+  CutSheet sheet = make_cut_sheet(6, 6, 3, 0, 1.0);
+  System<float> system;
+  Multipliers multipliers;
+  std::vector<float> u, step, trial;
+
+  HookedSheet(double away, double ways)
+      : system(
+            sheet.lattice,
+            [] {
+              CellMaterials materials{{MaterialParameters{}}};
+              materials.table[0].youngs_modulus = 50.0;
+              return materials;
+            }(),
+            1, sheet.attachments, 0, {10.0, 10.0}, Vec3::Zero()),
+        u(3 * system.nodes(), 0.0f),
+        step(u.size(), 0.0f),
+        trial(u.size(), 0.0f) {
+    Index middle = 0;
+    for (std::size_t n = 0; n < system.nodes(); ++n)
+      if (sheet.lattice.node_rest[n] == Vec3(3, 3, 3)) middle = to_index(n);
+    PointConstraint hook;
+    hook.pieces = {{{middle}, {1.0}, Vec3(0, 0, -away)}};
+    hook.stiffness = kSpring;
+    system.set_point_constraints({hook});
+    step[offset_of(3, middle) + 2] = 1.0f;
+    const double length = -ways * slope() / curvature();
+    step[offset_of(3, middle) + 2] = static_cast<float>(length);
+  }
+  double slope() { return LineSearch<float>::slope_of(system.evaluate(u, multipliers), step); }
+  double curvature() {
+    system.linearize(system.evaluate(u, multipliers), PsdProjection::kExact);
+    std::vector<float> product(u.size());
+    system.multiply(step, product);
+    return dot<float>(step, product);
+  }
+  StepTaken descend() {
+    const double bend = curvature();
+    Evaluation start = system.evaluate(u, multipliers);
+    const double first = LineSearch<float>::slope_of(start, step);
+    return LineSearch<float>(system, multipliers, false, trial).descend(u, step, std::move(start), first, bend);
+  }
+};
+
+// As where a floppy bit of tissue meets other tissue: from either side Newton's step leads beyond the equilibrium, each
+// time by as much, and within what the energy is rounded by.
+TEST(LineSearch, EndsAtTheLowestPlaceWhereAStepWithinRoundingLeadsBeyondIt) {
+  HookedSheet scene(2e-3, 1.9);
+  const double first = scene.slope();
+  const StepTaken taken = scene.descend();
+  EXPECT_NEAR(taken.alpha, 1.0 / 1.9, 0.02);
+  EXPECT_LT(std::abs(scene.slope()), 0.1 * std::abs(first));
+}
+
+TEST(LineSearch, TakesAShortStepWithinRoundingWhole) {
+  HookedSheet scene(2e-3, 0.05);
+  EXPECT_EQ(scene.descend().alpha, 1.0);
+}
+
+TEST(LineSearch, TakesALongStepWholeThatLowersTheEnergyBeyondRounding) {
+  HookedSheet scene(2.0, 1.9);
+  EXPECT_EQ(scene.descend().alpha, 1.0);
+}
+
+}  // namespace
+}  // namespace lappet
