@@ -51,11 +51,12 @@ struct HookedSheet {
     system.multiply(step, product);
     return dot<float>(step, product);
   }
-  StepTaken descend() {
+  StepTaken descend(bool balanced) {
     const double bend = curvature();
     Evaluation start = system.evaluate(u, multipliers);
     const double first = LineSearch<float>::slope_of(start, step);
-    return LineSearch<float>(system, multipliers, false, trial).descend(u, step, std::move(start), first, bend);
+    return LineSearch<float>(system, multipliers, false, trial)
+        .descend(u, step, std::move(start), first, bend, balanced);
   }
 };
 
@@ -64,19 +65,24 @@ struct HookedSheet {
 TEST(LineSearch, EndsAtTheLowestPlaceWhereAStepWithinRoundingLeadsBeyondIt) {
   HookedSheet scene(2e-3, 1.9);
   const double first = scene.slope();
-  const StepTaken taken = scene.descend();
+  const StepTaken taken = scene.descend(true);
   EXPECT_NEAR(taken.alpha, 1.0 / 1.9, 0.02);
   EXPECT_LT(std::abs(scene.slope()), 0.1 * std::abs(first));
 }
 
 TEST(LineSearch, TakesAShortStepWithinRoundingWhole) {
   HookedSheet scene(2e-3, 0.05);
-  EXPECT_EQ(scene.descend().alpha, 1.0);
+  EXPECT_EQ(scene.descend(true).alpha, 1.0);
+}
+
+TEST(LineSearch, LetsAStepLeadBeyondTheLowestPlaceWhileForcesAreNotBalanced) {
+  HookedSheet scene(2e-3, 1.9);
+  EXPECT_EQ(scene.descend(false).alpha, 1.0);
 }
 
 TEST(LineSearch, TakesALongStepWholeThatLowersTheEnergyBeyondRounding) {
   HookedSheet scene(2.0, 1.9);
-  EXPECT_EQ(scene.descend().alpha, 1.0);
+  EXPECT_EQ(scene.descend(true).alpha, 1.0);
 }
 
 }  // namespace

@@ -421,7 +421,8 @@ class EquilibriumSearch {
       }
       auto& product = linear_vectors_.q;
       system_.multiply(step_, product);
-      taken = line_.descend(u_, step_, std::move(now_), slope, dot<Real>(step_, product));
+      taken = line_.descend(u_, step_, std::move(now_), slope, dot<Real>(step_, product),
+                            outcome_.residual <= options_.tolerance);
       now_ = std::move(taken.reached);
       exact_failed_ = !(taken.alpha > 0.0);
       if (exact_failed_) {

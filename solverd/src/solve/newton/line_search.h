@@ -41,8 +41,11 @@ class LineSearch {
   }
 
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
-  // start: the evaluation at u, whose memory goes into those of the trials.
-  StepTaken descend(std::span<Real> u, std::span<const Real> step, Evaluation start, double slope, double curvature) {
+  // start: the evaluation at u, whose memory goes into those of the trials. balanced: forces balance within their
+  // tolerance, and what is sought is the place: also a step that lowers the energy may lead too far then, and the next
+  // one back.
+  StepTaken descend(std::span<Real> u, std::span<const Real> step, Evaluation start, double slope, double curvature,
+                    bool balanced) {
     const EvaluationSummary before = start;
     StepTaken taken{.alpha = 0.0, .ratio = 1.0, .reached = std::move(start)};
     Evaluation& now = taken.reached;
@@ -56,13 +59,12 @@ class LineSearch {
       const bool upright = stays_upright(before, now, alpha);
       const bool lower = now.energy <= before.energy + kArmijo * alpha * slope + slack;
       // Where the energy of all of the tissue is rounded more coarsely than a step changes it, the slopes along the
-      // step decide (Hager and Zhang 2005, the approximate Wolfe conditions): also what lowers it may lead too far, and
-      // the next step back.
+      // step decide (Hager and Zhang 2005, the approximate Wolfe conditions).
       const bool rounded = upright && std::abs(now.energy - before.energy) <= rounding(before.energy);
-      const double last = rounded ? slope_of(now, step) : 0.0;
+      const double last = rounded && (balanced || !lower) ? slope_of(now, step) : 0.0;
       const bool overshot = last > -kFlatter * slope;
       if (upright && lower && !overshot) break;
-      if (rounded && !overshot && last >= kFlatter * slope) {
+      if (rounded && !lower && !overshot && last >= kFlatter * slope) {
         copy<Real>(trial_, u);
         taken.alpha = alpha;
         return taken;
