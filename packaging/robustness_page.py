@@ -38,7 +38,7 @@ the corpus against a daemon, and four clients of one daemon under the thread san
 
 `make foldings` cuts one flap or two of any shape into a patch of skin, frees them and folds them with hooks at random
 onto themselves, onto each other and into the skin beside them, with
-[self-contact](solver.md#tissue-that-touches-itself); now and then a thread draws two places together through what lies
+[self-contact](self_contact.md); now and then a thread draws two places together through what lies
 between. The [IPC Toolkit](https://ipctk.xyz), which shares nothing with the daemon, looks at the surface of every
 frame, also of those in which the solver did not converge: no edge may go through a face. Every tenth folding is solved
 without self-contact too, to tell how often there is something to keep apart. `COUNT` and `SEED` choose others; the

@@ -110,7 +110,7 @@ def _with_contact(row: Mapping[str, Any] | None) -> list[str]:
     if row is None:
         return []
     frames = f"{row['frames']} of {row['of_frames']} frames converge, {row['newton']} Newton iterations in all"
-    text = f"With [`--self-contact`](../solver.md#tissue-that-touches-itself) {frames}"
+    text = f"With [`--self-contact`](../self_contact.md) {frames}"
     if row["frames"] < row["of_frames"]:
         return [f"{text}. {row['reason']}".rstrip(), ""]
     return [f"{text}; the picture shows that solve.", ""]
