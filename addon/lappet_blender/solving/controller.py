@@ -64,7 +64,8 @@ class Job:
 class Live:
     """A hook or retractor is dragged: target as last sent, moved: since live mode began; frame: the latest one.
 
-    held: its name. stirred_at: monotonic seconds of the last target sent or frame received. placing: a tool still places it; no event of the scene holds it, and the frame is kept without it.
+    held: its name. stirred_at: monotonic seconds of the last target sent or frame received. placing: a tool still
+    places it; no event of the scene holds it, and the frame is kept without it.
     """
 
     held: str
