@@ -1,4 +1,4 @@
-"""What is compiled does not say where or when: one file of the daemon, compiled in two folders, gives the same object."""
+"""What is compiled does not say where or when: a file of the daemon, compiled in two folders, gives the same object."""
 
 from __future__ import annotations
 
