@@ -156,7 +156,9 @@ def fill(scene: Any, recipe: Recipe, usda: str) -> None:
     assert procedure is not None
     page = page_of(recipe, procedure)
     keep_plates(scene, (page,))
-    bpy.ops.lappet.look_preset(preset=page.quantity.upper() if page.quantity in ("tension", "strain") else "OPERATION")
+    bpy.ops.lappet.look_preset(preset="OPERATION")  # with pen marks and steel, which a page has over a map as well
+    if page.quantity in ("tension", "strain"):
+        scene.lappet.look.color = page.quantity.upper()
     scene.lappet.solving.when_opened = True
     scene.frame_set(scene.frame_start)
     bpy.ops.lappet.plan_now(wait=True)

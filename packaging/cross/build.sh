@@ -150,7 +150,8 @@ fetch_openblas() {
         echo EXPORTS
         printf 'scipy_%s_\n' dtrsv dgemv dtrsm dgemm dsyrk dger dscal dpotrf ztrsv zgemv ztrsm zgemm zherk zgeru zscal zpotrf
     } >"$work/openblas/exports.def"
-    x86_64-w64-mingw32-dlltool --def "$work/openblas/exports.def" --output-lib "$prefix/lib/$blas.a"
+    # by a name without a folder, since symbols are called after it
+    (cd "$prefix/lib" && x86_64-w64-mingw32-dlltool --def "$work/openblas/exports.def" --output-lib "$blas.a")
 }
 
 # ---- 3. libraries -------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet_blender.solving import controller, frames, solve_timer
+from lappet_blender.solving import controller, frames, solve_settings, solve_timer
 from lappet_blender.solving.live_operator import LAPPET_OT_live
 from solving_steps import QUIET
 
@@ -26,6 +26,30 @@ def test_the_timer_comes_often_while_something_is_under_way_and_seldom_when_not(
     patch.frame_set(5)
     bpy.ops.lappet.live(hook="hook_1")
     assert solve_timer._timer() <= 0.02
+    bpy.ops.lappet.live()
+
+
+def test_a_target_that_lies_still_is_looked_at_less_often_until_it_moves(
+    patch: bpy.types.Scene, script: Script, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve_timer.run_timer(QUIET)
+    patch.frame_set(5)
+    bpy.ops.lappet.live(hook="hook_1")
+    for _ in range(4):
+        solve_timer.run_timer()
+    script.held = True  # no frame comes any more
+    live = controller.controller_of(patch).live
+    live.stirred_at -= 10.0
+    with monkeypatch.context() as watched:
+        watched.setattr(solve_settings, "default_folder", lambda: pytest.fail("a still turn looks for the folder"))
+        assert solve_timer._timer() >= 0.03
+    bpy.data.objects["target"].location.z += 1.0
+    bpy.context.view_layer.update()
+    assert solve_timer._timer() <= 0.02
+    live.stirred_at -= 10.0
+    assert solve_timer._timer() >= 0.03
+    script.held = False
+    assert solve_timer._timer() <= 0.02, "a frame that comes is a sign of life"
     bpy.ops.lappet.live()
 
 

@@ -246,6 +246,29 @@ def test_regions_whose_order_decides_are_told_as_a_note() -> None:
     assert check(Procedure(apart, materials=materials, end_time=2.0)) == []
 
 
+@pytest.mark.parametrize(
+    ("regions", "told"),
+    [
+        ((Region("wide", "fat", 1.0), Region("narrow", "scar", 2.0)), False),
+        ((Region("wide", "fat", 1.0), Region("same", "scar", 2.0, 3.0)), False),
+        ((Region("wide", "fat", 1.0), Region("narrow", "scar", 1.0)), False),
+        ((Region("wide", "fat", 1.0), Region("narrow", "scar", 0.5)), True),
+        ((Region("narrow", "scar", 2.0), Region("wide", "fat", 1.0)), True),
+        ((Region("wide", "fat", 1.0), Region("same", "scar", 1.0)), True),
+    ],
+    ids=["within, deeper", "a layer of it", "below a part of it", "out above", "hidden by the wide one", "all of it"],
+)
+def test_a_region_that_is_a_part_of_one_before_it_is_meant(regions: tuple[Region, ...], told: bool) -> None:
+    tissue = patch().tissue
+    skin = np.setdiff1d(np.arange(len(tissue.face_vertex_counts)), np.concatenate([*tissue.subsets.values()]))
+    faces = {"wide": skin[:20], "same": skin[:20], "narrow": skin[5:15]}
+    in_order = {region.faces: faces[region.faces] for region in regions}
+    layered = replace(tissue, subsets={**tissue.subsets, **in_order}, regions=regions)
+    materials = (Material(), Material("fat"), Material("scar"))
+    found = check(Procedure(layered, materials=materials, end_time=2.0))
+    assert [each.code for each in found] == [ProblemCode.REGIONS_OVERLAP] * told
+
+
 def test_what_is_wrong_is_not_suspicious_as_well() -> None:
     (found,) = check(patch(slit(kerf=math.inf), Excision("piece", 3.0, on_top((0, 30)))))
     assert found.severity == "error"

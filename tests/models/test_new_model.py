@@ -183,6 +183,11 @@ def test_the_cartilage_of_the_ear_is_as_thick_as_it_was_measured_wherever_the_au
     assert cartilage.min() > 0.3
 
 
+@pytest.mark.parametrize("name", list(DEEP_LAYERS))
+def test_nothing_is_told_of_a_model_with_the_layer_below_its_fat(name: str) -> None:
+    assert check(deep(name)) == []
+
+
 @pytest.mark.parametrize("name", ["ear", "nose"])
 def test_the_excision_of_a_model_with_cartilage_cuts_through_it(name: str) -> None:
     procedure = new_model(name, ModelChoice(deep=True, excision=True, scenery=False))

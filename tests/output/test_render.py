@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdGeom
 
 import synthetic_skin_cache as synthetic
 from lappet.core.problem_code import ProblemCode
@@ -289,6 +290,26 @@ def test_an_interrupt_ends_the_figure_process_and_keeps_what_is_done(
     assert done.exists()
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
+
+
+@pytest.mark.slow
+def test_what_surrounds_tissue_is_left_out_of_a_section_and_hides_or_shows_nothing(tmp_path: Path) -> None:
+    cache = synthetic.write_cache(tmp_path, step=4.0)
+    stage = Usd.Stage.Open(str(cache))
+    sheet = UsdGeom.Mesh.Define(stage, "/Procedure/Scenery/sheet")  # black, over the half that the section leaves
+    sheet.CreatePointsAttr([(-40, -35, 6), (-2, -35, 6), (-2, 35, 6), (-40, 35, 6)])
+    sheet.CreateFaceVertexCountsAttr([4])
+    sheet.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    sheet.GetPrim().CreateAttribute("lappet:kind", Sdf.ValueTypeNames.Token).Set("pupil")
+    stage.Save()
+    black = {}
+    for section in (None, (10.0, 0.0, 0.0, 1.0, 0.0, 0.0)):
+        (picture,) = render_cache(
+            cache, tmp_path / "out", frames=[1], filmstrip=False, size=SIZE, samples=2, threads=2, section=section
+        )
+        black[section is not None] = (read_png(picture).max(axis=2) < 40).mean()
+    assert black[False] > 0.1
+    assert black[True] < 0.01
 
 
 def test_a_section_needs_a_normal(tmp_path: Path) -> None:

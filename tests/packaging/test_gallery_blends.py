@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,6 +17,8 @@ from gallery import GALLERY, TOLD, cache_of, page, told
 from gallery_blends import ROOT, page_of, recipes, write_gallery_blends
 from lappet.designs.library_operation import flap_on_patch
 from website.pages import stage, with_project_files
+
+needs_blender = pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="bpy is not installed")
 
 # What a Blender that opens a project finds in it; printed as JSON.
 LOOK = """
@@ -34,8 +37,9 @@ corners = [world_to_camera_view(scene, scene.camera, tissue.matrix_world @ Vecto
 print("SEEN", json.dumps({
     "problems": [each.message for each in read_scene(scene).problems],
     "events": len(scene.lappet.events),
-    "page": [page.name, page.style, page.columns, page.width, page.panels[0].caption],
+    "page": [page.name, page.style, page.columns, page.width, *(each.caption for each in list(page.panels)[:1])],
     "color": scene.lappet.look.color,
+    "marks": [scene.lappet.look.show_plan, scene.lappet.look.show_hooks],
     "landmarks": scene.lappet.look.show_landmarks,
     "active": scene.lappet.active_event,
     "spacing": scene.lappet.tissue.spacing,
@@ -73,7 +77,26 @@ def test_a_page_of_the_site_links_to_the_projects_that_there_are() -> None:
     assert with_project_files(text, []) == text
 
 
-@pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="bpy is not installed")
+def opened(project: Path) -> dict[str, Any]:
+    """What a Blender that opens the project finds in it."""
+    paths = os.pathsep.join([str(ROOT / "shared"), str(ROOT / "addon"), os.environ.get("PYTHONPATH", "")])
+    call = [sys.executable, "-c", LOOK, str(project)]
+    said = subprocess.run(
+        call, check=True, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": paths}, timeout=120
+    ).stdout
+    found = json.loads(next(line for line in said.splitlines() if line.startswith("SEEN")).removeprefix("SEEN"))
+    assert isinstance(found, dict)
+    return found
+
+
+@needs_blender
+def test_a_project_of_a_map_shows_the_plan_as_its_page_does(tmp_path: Path) -> None:
+    (made,) = write_gallery_blends(tmp_path, ["z_plasty_tension"])
+    seen = opened(made)
+    assert (seen["color"], seen["marks"]) == ("TENSION", [True, True])
+
+
+@needs_blender
 def test_a_project_holds_the_procedure_the_page_and_a_camera_that_sees_it_and_no_path_of_this_computer(
     tmp_path: Path,
 ) -> None:
@@ -81,17 +104,12 @@ def test_a_project_holds_the_procedure_the_page_and_a_camera_that_sees_it_and_no
     (made,) = write_gallery_blends(tmp_path, ["v_y"])
     assert [file.name for file in tmp_path.iterdir()] == ["v_y.blend"]
     assert made.stat().st_size < 3_000_000
-    paths = os.pathsep.join([str(ROOT / "shared"), str(ROOT / "addon"), os.environ.get("PYTHONPATH", "")])
-    call = [sys.executable, "-c", LOOK, str(made)]
-    said = subprocess.run(
-        call, check=True, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": paths}, timeout=120
-    ).stdout
-    seen = json.loads(next(line for line in said.splitlines() if line.startswith("SEEN")).removeprefix("SEEN"))
+    seen = opened(made)
     assert seen["problems"] == []
     assert seen["events"] > 5
     assert seen["page"] == ["v_y", "ink", 1, 85.0, "The plan: a V whose limbs close as a Y"]
     assert (seen["color"], seen["spacing"], seen["opened"]) == ("PLAIN", 1.5, True)
-    assert (seen["landmarks"], seen["active"]) == (False, -1)
+    assert (seen["marks"], seen["landmarks"], seen["active"]) == ([True, True], False, -1)
     assert seen["lights"] == ["Fill", "Key", "Rim"]
     assert (seen["paths"], seen["objects"], seen["views"]) == ([], [], ["CAMERA"])
     assert min(seen["depths"]) > 0.0

@@ -91,7 +91,8 @@ class FigureRequest:
 
     frames: stills to write, None: the last. size: of stills; panel: of filmstrip panels; movie: of an animation; in
     pixels. samples, movie_samples: Cycles samples a pixel of stills and panels, and of an animation.
-    translucent: whether vessels show through the skin. section: a plane beyond which everything is taken away.
+    translucent: whether vessels show through the skin. section: a plane beyond which everything is taken away; the
+    tissue is then drawn alone.
     """
 
     cache: Path
@@ -131,6 +132,8 @@ class Plate:
         clear_scene()
         scalar = request.color if request.color in SCALARS else None
         self._highest = full_scale(cache, scalar) if scalar else 1.0
+        # Beside cut tissue the rest of a body would hide it, or show that it is a hollow shell.
+        scenery = () if request.section else cache.scenery
         first = cache.epoch_at(cache.frames[0])
         skin = cache.positions(first, cache.frames[0])[np.unique(first.triangles[first.origin == SKIN])]
         view = viewpoint_on_skin(field, request.view, half_angles(request.size), skin)
@@ -140,7 +143,7 @@ class Plate:
             skin_material(request.color, pixel, self._highest, opacity=opacity),
             wall_material(cache.layers, opacity=opacity),
             underside_material(cache.layers),
-            mucosa_material() if cache.scenery else rim_material(cache.layers),
+            mucosa_material() if scenery else rim_material(cache.layers),
         ]
         if request.color == "grid":
             add_tile(materials[0], request.color)
@@ -165,10 +168,10 @@ class Plate:
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)
         )
-        for mesh in cache.scenery:
+        for mesh in scenery:
             lowest = min(lowest, float((mesh.points @ field.normal).min()))
         studio = figure_studio()
-        add_scenery(cache.scenery, studio.collection, pixel)
+        add_scenery(scenery, studio.collection, pixel)
         add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
         add_lights(field, studio)
         add_camera(view, studio)

@@ -64,7 +64,8 @@ class Job:
 class Live:
     """A hook or retractor is dragged: target as last sent, moved: since live mode began; frame: the latest one.
 
-    held: its name. placing: a tool still places it; no event of the scene holds it, and the frame is kept without it.
+    held: its name. stirred_at: monotonic seconds of the last target sent or frame received. placing: a tool still
+    places it; no event of the scene holds it, and the frame is kept without it.
     """
 
     held: str
@@ -73,6 +74,7 @@ class Live:
     job: int
     target: Pose | None = None
     moved: bool = False
+    stirred_at: float = field(default_factory=monotonic)
     frame: SolvedFrame | None = None
     seconds: float = 0.0
     converged: bool = True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from time import monotonic
 
 import bpy
 from mathutils import Matrix, Vector
@@ -80,7 +81,7 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
 def send_target(controller: Controller, live: Live, target: Pose) -> None:
     """Have the solver follow to a target, if it is another one than before."""
     if live.target is None or math.dist(target, live.target) > LEAST_MOVE:
-        live.target, live.moved = target, True
+        live.target, live.moved, live.stirred_at = target, True, monotonic()
         controller.solver().live_target(live.job, target)
 
 

@@ -21,7 +21,7 @@ from .controller import Controller, controller_of, controllers, drop_all, find_c
 from .frames import notify_listeners
 from .live_drag import stop_live
 from .reconcile import reconcile
-from .solve_settings import frame_folder
+from .solve_settings import frame_folder_choice
 
 _reading = False
 _updating = False  # while Blender tells of a dependency graph that was updated
@@ -63,7 +63,7 @@ def check_polled_state(scene: bpy.types.Scene, controller: Controller) -> None:
         len(scene.lappet.bones),
         len(scene.lappet.materials),
         len(scene.lappet.regions),
-        frame_folder(scene),
+        *frame_folder_choice(scene),
         *answer_state(),
     )
     if polled_state != controller.polled_state:

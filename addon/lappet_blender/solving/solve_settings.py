@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
 
 from lappet.program.settings import SolverSettings
-from lappet.solve.store import FrameStore, default_folder
+from lappet.solve.store import FOLDER_VARIABLE, FrameStore, default_folder
 
 from ..model.decimals import decimal
 
@@ -33,6 +34,12 @@ def frame_folder(scene: bpy.types.Scene) -> Path:
     if scene.lappet.solving.beside_file and bpy.data.filepath:
         return Path(bpy.data.filepath).parent / BESIDE
     return default_folder()
+
+
+def frame_folder_choice(scene: bpy.types.Scene) -> tuple[object, ...]:
+    """Return what the folder depends on: as good for noticing another one, and no path is made at every turn."""
+    beside = scene.lappet.solving.beside_file
+    return beside, bpy.data.filepath if beside else "", os.environ.get(FOLDER_VARIABLE)
 
 
 def frame_store(scene: bpy.types.Scene) -> FrameStore:

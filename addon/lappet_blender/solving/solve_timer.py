@@ -17,6 +17,7 @@ from .worker_events import handle_worker_events
 
 FIRST_INTERVAL = 0.1
 _LIVE, _BUSY, _IDLE = 0.01, 0.04, 0.25  # seconds until the timer comes by again
+_STILL_SECONDS = 1.0  # after the last target and the last frame of live mode
 _REDRAW_SECONDS = 0.1
 _DRAGGING = ("TRANSFORM_OT_",)  # modal operators during which nothing is read: their end is a change as well
 _drawn_at = 0.0
@@ -72,6 +73,11 @@ def _busy(controller: Controller) -> bool:
     return waiting or any(True for _ in controller.jobs())
 
 
+def _follows(controller: Controller) -> bool:
+    """Whether the skin follows a target now; one that lies still is looked at as seldom as a solve."""
+    return controller.live is not None and time.monotonic() - controller.live.stirred_at < _STILL_SECONDS
+
+
 def _is_dragging() -> bool:
     """Whether the user is moving something with the mouse right now."""
     manager = bpy.context.window_manager
@@ -103,7 +109,7 @@ def _timer() -> float:
     except Exception:  # an exception would end the timer, and with it every solve of the session
         traceback.print_exc()
         return 1.0
-    if any(controller.live is not None for controller in controllers()):
+    if any(_follows(controller) for controller in controllers()):
         return _LIVE
     return _BUSY if busy else _IDLE
 

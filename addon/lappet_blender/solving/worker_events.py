@@ -118,6 +118,7 @@ def _live(controller: Controller, job: Job, frame: LiveFrame) -> None:
     if live.placing and job.manifest is not None and live.held in job.manifest.hooks:
         shown = shown.without_hook(job.manifest.hooks.index(live.held))
     live.frame, live.seconds, live.converged = shown, frame.seconds, frame.converged
+    live.stirred_at = time.monotonic()
     controller.notify()
 
 

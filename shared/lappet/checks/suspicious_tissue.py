@@ -10,7 +10,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.mesh_faults import MOST_PLACES
 from lappet.geometry.surface_check import place, signed_volume
-from lappet.procedure import Tissue
+from lappet.procedure import Region, Tissue
 from lappet.procedure.prim_paths import TISSUE
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.surface import LABELS
@@ -76,6 +76,8 @@ def separate_parts(tissue: Tissue) -> list[Problem]:
 def overlapping_regions(tissue: Tissue, skin: NDArray[np.bool_]) -> list[Problem]:
     """Find regions of different material that share faces and depths, where their order decides: the last one counts.
 
+    A region that lies within one before it, and leaves some of that, is meant: cartilage in the fat of an ear.
+
     Parameters
     ----------
     tissue
@@ -98,6 +100,8 @@ def overlapping_regions(tissue: Tissue, skin: NDArray[np.bool_]) -> list[Problem
             both = both[skin[both]]
             if first.material == second.material or not top < bottom or not len(both):
                 continue
+            if _lies_within(tissue, second, first, skin):
+                continue
             found.append(
                 problem(
                     ProblemCode.REGIONS_OVERLAP,
@@ -112,3 +116,12 @@ def overlapping_regions(tissue: Tissue, skin: NDArray[np.bool_]) -> list[Problem
                 )
             )
     return found
+
+
+def _lies_within(tissue: Tissue, inner: Region, outer: Region, skin: NDArray[np.bool_]) -> bool:
+    """Whether a region is a part, not all, of another."""
+    inside, around = (np.unique(tissue.subsets[each.faces]) for each in (inner, outer))
+    inside, around = inside[skin[inside]], around[skin[around]]
+    depths = (inner.depth_from, inner.depth_to), (outer.depth_from, outer.depth_to)
+    nested = depths[0][0] >= depths[1][0] and depths[0][1] <= depths[1][1] and bool(np.isin(inside, around).all())
+    return nested and (depths[0] != depths[1] or len(inside) < len(around))

@@ -33,7 +33,9 @@ ENGINES = ("cycles", "workbench")
 @click.option("--color", type=click.Choice(COLORS), help="What the skin shows.  [default: grid]")
 @click.option("--translucent/--opaque", default=False, show_default=True, help="Show vessels through the skin.")
 @click.option(
-    "--section", type=PlaneNumbers(), help="Take away what lies beyond a plane: a point in mm and its normal."
+    "--section",
+    type=PlaneNumbers(),
+    help="Take away what lies beyond a plane, a point in mm and its normal, and what surrounds the tissue.",
 )
 @click.option("--engine", type=click.Choice(ENGINES), help="Blender's renderer.  [default: cycles]")
 @reading_options

@@ -29,6 +29,7 @@ from lappet.core.value_codec import pack, unpack
 from lappet.solve.own_files import is_folder, is_own_file, own_folder, own_secret, own_subfolder, read_own, remove
 
 DEFAULT_LIMIT = 4 << 30
+FOLDER_VARIABLE = "LAPPET_STORE"
 _MAGIC = b"LAPPET FRAMES 3\n"  # with the hash a multiple of 16: arrays are read in place
 _HASH = 32
 _SECRET = "secret"
@@ -47,7 +48,7 @@ def default_folder() -> Path:
     Path
         The folder; it may not exist yet.
     """
-    named = os.environ.get("LAPPET_STORE")
+    named = os.environ.get(FOLDER_VARIABLE)
     if named:
         return Path(named).expanduser()
     from platformdirs import user_cache_path
