@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "cut_sheet.h"
@@ -12,6 +13,12 @@ namespace lappet {
 namespace {
 
 constexpr double kSpring = 10.0;  // mN/mm
+
+CellMaterials skin() {
+  CellMaterials materials{{MaterialParameters{}}};
+  materials.table[0].youngs_modulus = 50.0;
+  return materials;
+}
 
 // A sheet whose middle a hook begins to pull up to a place `away` mm above it. A step moves the hooked node alone, by
 // so many times the way that lowers the energy most.
@@ -22,14 +29,7 @@ struct HookedSheet {
   std::vector<float> u, step, trial;
 
   HookedSheet(double away, double ways)
-      : system(
-            sheet.lattice,
-            [] {
-              CellMaterials materials{{MaterialParameters{}}};
-              materials.table[0].youngs_modulus = 50.0;
-              return materials;
-            }(),
-            1, sheet.attachments, 0, {10.0, 10.0}, Vec3::Zero()),
+      : system(sheet.lattice, skin(), 1, sheet.attachments, 0, {10.0, 10.0}, Vec3::Zero()),
         u(3 * system.nodes(), 0.0f),
         step(u.size(), 0.0f),
         trial(u.size(), 0.0f) {
