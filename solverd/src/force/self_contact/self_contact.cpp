@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "force/self_contact/continuous_collision.h"
+#include "force/self_contact/contour_shortening.h"
 #include "force/self_contact/separation.h"
 #include "force/self_contact/untangling.h"
 
@@ -22,8 +23,10 @@ constexpr double kSlack = 0.05;
 constexpr double kStiffness = 1.0;
 // Spacings by which what holds creeps at most.
 constexpr double kSlide = 2e-3;
-// Rounds without less of what goes through itself, after which it stays as it is.
-constexpr int kRoundsInVain = 5;
+// Rounds without less of what goes through itself, after which it stays as it is: of vertices that lie behind
+// something, and of contours that are shortened, of which those of more places are deep.
+constexpr int kRoundsInVain = 5, kRounds = 20;
+constexpr std::size_t kMostPlaces = 4000;
 
 double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
 
@@ -81,22 +84,40 @@ template <class Real>
 std::size_t SelfContact::untangle(std::span<Real> u, const std::function<bool(Index)>& moves) {
   const std::size_t places = count_piercings<Real>(u);
   if (places == 0) return 0;
+  Untangling behind(surface_, moves);
+  if (take_apart(u, kRoundsInVain, [&](std::span<const Piercing> piercings, std::span<double> to) {
+        return behind.push(places_, piercings, to);
+      }))
+    return places;
+  if (places > kMostPlaces) return 0;
+  const std::vector<double> start(u.begin(), u.end());
+  ContourShortening contours(surface_, moves, start);
+  return take_apart(u, kRounds,
+                    [&](std::span<const Piercing> piercings, std::span<double> to) {
+                      return contours.push(places_, piercings, to);
+                    })
+             ? places
+             : 0;
+}
+
+// Rounds of push until nothing goes through anything, or there were so many without less of it; then u stays.
+template <class Real>
+bool SelfContact::take_apart(std::span<Real> u, int most_in_vain, const Push& push) {
   std::vector<double> moved(u.begin(), u.end());
-  Untangling untangling(surface_, moves);
-  std::size_t fewest = places;
-  for (int in_vain = 0; in_vain < kRoundsInVain; ++in_vain) {
+  std::size_t fewest = count_piercings<Real>(u);
+  for (int in_vain = 0; in_vain < most_in_vain; ++in_vain) {
     surface_.positions<double>(moved, places_);
-    if (!untangling.push(places_, candidates_.piercings(places_), moved)) return 0;
+    if (!push(candidates_.piercings(places_), moved)) return false;
     const std::vector<Real> rounded(moved.begin(), moved.end());
     const std::size_t left = count_piercings<Real>(rounded);
     if (left == 0) {
       std::ranges::copy(rounded, u.begin());
-      return places;
+      return true;
     }
     if (left < fewest) in_vain = 0;
     fewest = std::min(fewest, left);
   }
-  return 0;
+  return false;
 }
 
 template <class Real>

@@ -48,7 +48,8 @@ class SelfContact {
   template <class Real>
   std::size_t begin(std::span<const Real> u);
 
-  // Takes the surface apart where it goes through itself by little (untangling.h), by nodes of which `moves` tells.
+  // Takes the surface apart where it goes through itself by little (untangling.h, contour_shortening.h), by nodes of
+  // which `moves` tells.
   // Returns at how many places; 0, and u as it was, where it goes through nothing or cannot be taken apart.
   template <class Real>
   std::size_t untangle(std::span<Real> u, const std::function<bool(Index)>& moves);
@@ -93,6 +94,11 @@ class SelfContact {
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes() + friction_.bytes(); }
 
  private:
+  // A round that moves nodes at piercings; false where it finds none to move.
+  using Push = std::function<bool(std::span<const Piercing>, std::span<double>)>;
+
+  template <class Real>
+  bool take_apart(std::span<Real> u, int most_in_vain, const Push& push);
   void add_row(const std::array<Index, 4>& vertices, const TangentRow& row, SparseRows& to) const;
   void add_force(Index vertex, const Vec3& force, std::span<double> gradient) const;
   // Writes where a step begins and goes, and finds the candidates for it.
