@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ struct HookedSheet {
   System<float> system;
   Multipliers multipliers;
   std::vector<float> u, step, trial;
+  PointConstraint hook;
 
   HookedSheet(double away, double ways)
       : system(sheet.lattice, skin(), 1, sheet.attachments, 0, {10.0, 10.0}, Vec3::Zero()),
@@ -36,13 +38,21 @@ struct HookedSheet {
     Index middle = 0;
     for (std::size_t n = 0; n < system.nodes(); ++n)
       if (sheet.lattice.node_rest[n] == Vec3(3, 3, 3)) middle = to_index(n);
-    PointConstraint hook;
     hook.pieces = {{{middle}, {1.0}, Vec3(0, 0, -away)}};
     hook.stiffness = kSpring;
     system.set_point_constraints({hook});
     step[offset_of(3, middle) + 2] = 1.0f;
     const double length = -ways * slope() / curvature();
     step[offset_of(3, middle) + 2] = static_cast<float>(length);
+  }
+  // Where a share of the step is done the node meets a wall, from both sides.
+  void add_wall(double share) {
+    PointConstraint wall = hook;
+    wall.pieces[0].offset = Vec3::Zero();
+    wall.slack =
+        share * std::abs(static_cast<double>(*std::ranges::max_element(step, {}, [](float x) { return std::abs(x); })));
+    wall.stiffness = 400.0 * kSpring;
+    system.set_point_constraints({hook, wall});
   }
   double slope() { return LineSearch<float>::slope_of(system.evaluate(u, multipliers), step); }
   double curvature() {
@@ -68,6 +78,16 @@ TEST(LineSearch, EndsAtTheLowestPlaceWhereAStepWithinRoundingLeadsBeyondIt) {
   const StepTaken taken = scene.descend(true);
   EXPECT_NEAR(taken.alpha, 1.0 / 1.9, 0.02);
   EXPECT_LT(std::abs(scene.slope()), 0.1 * std::abs(first));
+}
+
+// The slopes at both ends of the step have it lowest at a fortieth, the wall lies at three tenths.
+TEST(LineSearch, GoesUpToAWallThatItMeetsLateOnItsWay) {
+  HookedSheet scene(2e-3, 1.0);
+  const double first = scene.slope();
+  scene.add_wall(0.3);
+  const StepTaken taken = scene.descend(true);
+  EXPECT_NEAR(taken.alpha, 0.3, 0.01);
+  EXPECT_LT(std::abs(scene.slope()), 0.8 * std::abs(first));
 }
 
 TEST(LineSearch, TakesAShortStepWithinRoundingWhole) {

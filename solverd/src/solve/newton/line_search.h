@@ -54,8 +54,8 @@ class LineSearch {
     taken.hindered = system_.self_contact() != nullptr && free_way < alpha;
     alpha = free_way;
     const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
+    evaluate_at(u, step, alpha, now);
     while (true) {
-      evaluate_at(u, step, alpha, now);
       const bool upright = stays_upright(before, now, alpha);
       const bool lower = now.energy <= before.energy + kArmijo * alpha * slope + slack;
       // Where the energy of all of the tissue is rounded more coarsely than a step changes it, the slopes along the
@@ -73,15 +73,18 @@ class LineSearch {
         evaluate(u, now);
         return taken;
       }
+      if (overshot) {
+        alpha = go_between(u, step, {.end = alpha, .slope = slope, .slope_at_end = last}, now);
+        continue;
+      }
       double shrink = 0.5;
       const double bend = now.energy - before.energy - alpha * slope;
       // What meets bone or tissue along the way bends the energy late: a parabola from the start would make the step
       // too short.
-      if (overshot)
-        shrink = slope / (slope - last);
-      else if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact() && !now.self_contact.touches())
+      if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact() && !now.self_contact.touches())
         shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
       alpha *= shrink;
+      evaluate_at(u, step, alpha, now);
     }
     copy<Real>(trial_, u);
     const double predicted = std::max(-alpha * slope - 0.5 * alpha * alpha * curvature, 1e-300);
@@ -154,7 +157,7 @@ class LineSearch {
   static constexpr double kStepCap = 8.0;      // spacings a node may move in one iteration
   static constexpr double kMinUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
   static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
-  static constexpr int kMaxDoublings = 5;
+  static constexpr int kMaxDoublings = 5, kMaxCuts = 8;
   // Of a motion that goes on: chosen.
   static constexpr double kAboutWhole = 0.25, kMinMotion = 0.05, kMaxMotion = 4.0;
 
@@ -166,6 +169,31 @@ class LineSearch {
   void evaluate_at(std::span<const Real> u, std::span<const Real> step, double alpha, Evaluation& now) {
     for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(alpha) * step[i]; });
     evaluate(trial_, now);
+  }
+  // A part of a step, from u on: the energy falls at its start and rises at its end. mN mm for each step.
+  struct Valley {
+    double end, slope, slope_at_end;
+  };
+
+  // Evaluates at about the lowest place of a valley and returns where that is: what meets a wall late on the way makes
+  // the first guess by the slopes at both ends far too short, so each second one halves what is left.
+  double go_between(std::span<const Real> u, std::span<const Real> step, Valley valley, Evaluation& now) {
+    double begin = 0.0, slope_at_begin = valley.slope, alpha = valley.end;
+    for (int cut = 0; cut < kMaxCuts; ++cut) {
+      const double share = cut % 2 == 0 ? slope_at_begin / (slope_at_begin - valley.slope_at_end) : 0.5;
+      alpha = begin + share * (valley.end - begin);
+      evaluate_at(u, step, alpha, now);
+      const double here = slope_of(now, step);
+      if (std::abs(here) <= -kFlatter * valley.slope) break;
+      if (here > 0.0) {
+        valley.end = alpha;
+        valley.slope_at_end = here;
+      } else {
+        begin = alpha;
+        slope_at_begin = here;
+      }
+    }
+    return alpha;
   }
   // Doubles the step that u has taken while the energy falls, no cell turns over and none goes through bone.
   void go_further(std::span<Real> u, std::span<const Real> step, Evaluation& now, double& alpha) {
