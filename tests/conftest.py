@@ -5,12 +5,18 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 # Before numpy is loaded, here and in every process that a test starts: workers and daemons leave no processor to the
 # threads of BLAS, which then wait for each other over small matrices, many times as long as these take.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Modules are compiled once, whatever the environment says of keeping them: tests start hundreds of processes that would
+# each compile the package again, for a second.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 import pytest
 
