@@ -92,7 +92,10 @@ def lined(*lines: SkinLine) -> Procedure:
 def test_the_field_at_a_point_does_not_depend_on_how_many_others_are_asked_for() -> None:
     """Of thousands, laid in blocks, each has what the formula says of it alone."""
     arc = np.linspace(0.0, 2.0, 30)
-    curves = (np.stack([20.0 * np.cos(arc), 20.0 * np.sin(arc), arc], 1), np.array([[-20.0, 5.0, 0.0], [20.0, -9.0, 3.0]]))
+    curves = (
+        np.stack([20.0 * np.cos(arc), 20.0 * np.sin(arc), arc], 1),
+        np.array([[-20.0, 5.0, 0.0], [20.0, -9.0, 3.0]]),
+    )
     lines = [SkinLine(f"line_{k}", tuple(map(tuple, curve))) for k, curve in enumerate(curves)]
     points = np.random.default_rng(5).uniform(-25.0, 25.0, (4500, 3))
     normals = points / np.linalg.norm(points, axis=1, keepdims=True)

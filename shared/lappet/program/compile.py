@@ -77,10 +77,7 @@ def compile_program(
     settings = for_tissue(settings, procedure.tissue)
     procedure = with_single_sutures(procedure, settings.spacing)
     if epochs is None:
-        tissue = procedure.tissue
-        if tissue.spacing != settings.spacing:
-            tissue = replace(tissue, spacing=settings.spacing)
-        epochs = build_epochs(replace(procedure, tissue=tissue))
+        epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=settings.spacing)))
     materials = with_line_tension(procedure, materials_in_use(procedure))
     epochs = _with_inside(epochs, procedure, materials)
     times = [time for time in frame_times(procedure) if until is None or time <= until]

@@ -107,7 +107,7 @@ def skin_field(
 
 
 def _squared_distances(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of each point (r, 3) from each place (k, 3), shape (r, k); by coordinates, without an array of all differences."""
+    """Of each point (r, 3) from each place (k, 3), shape (r, k); by coordinates, with no array of all differences."""
     squared = np.zeros((len(points), len(places)))
     for at, to in zip(points.T, places.T, strict=True):
         apart = at[:, None] - to
