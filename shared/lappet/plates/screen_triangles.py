@@ -124,10 +124,14 @@ class ScreenTriangles:
         candidate, u, v = candidate[hit], u[hit], v[hit]
         corner = self._inverse[candidate]
         nearness = corner[:, 0] + u * (corner[:, 1] - corner[:, 0]) + v * (corner[:, 2] - corner[:, 0])
-        nearest_first = np.lexsort((candidate, -nearness))
-        best = nearest_first[np.unique(owner[nearest_first], return_index=True)[1]]
-        found[owner[best]] = candidate[best]
-        inverse[owner[best]] = nearness[best]
+        # Owners stand in order: each has its candidates together, of which the nearest and, of those, the first counts.
+        begin = np.flatnonzero(np.diff(owner, prepend=-1))
+        if not len(begin):
+            return
+        best = np.maximum.reduceat(nearness, begin)
+        is_best = nearness == np.repeat(best, np.diff(begin, append=len(owner)))
+        found[owner[begin]] = np.minimum.reduceat(np.where(is_best, candidate, len(self.ids)), begin)
+        inverse[owner[begin]] = best
 
     def _cell_of(self, places: NDArray[np.float64]) -> NDArray[np.int64]:
         cells: NDArray[np.int64] = np.floor((places - self._low) / self._cell).astype(np.int64)
