@@ -5,12 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 # Before numpy is loaded, here and in every process that a test starts: workers and daemons leave no processor to the
 # threads of BLAS, which then wait for each other over small matrices, many times as long as these take.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Modules are compiled once, whatever the environment says of keeping them: each process that a test starts would
+# compile what it imports of the package again, up to a second of it.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
 
@@ -19,6 +24,8 @@ from lappet.daemon.client import DaemonMissing
 from lappet.daemon.process import SolverDaemon, find_daemon
 from lappet.usd.stage import pxr
 from raw_peer import Raw
+
+sys.dont_write_bytecode = False  # of this process too
 
 # What a shell starts in the background ignores SIGINT, and with it every test of Ctrl-C.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -17,7 +17,7 @@ from lappet.program.keys import frame_keys
 from lappet.tissue.dome import dome_scalp
 from lappet.tissue.face_lines import FaceLandmarks, face_lines
 from lappet.tissue.patch import flat_patch
-from lappet.tissue.skin_lines import skin_field
+from lappet.tissue.skin_lines import STEP, _samples, skin_field
 from lappet.tissue.skin_sheet import SkinSheet
 from lappet.tissue.uniaxial import prestretch_for
 from lappet.usd.stage import read_procedure, write_procedure
@@ -87,6 +87,30 @@ def test_between_two_lines_the_direction_turns_and_the_prestretch_changes_smooth
 def lined(*lines: SkinLine) -> Procedure:
     tissue = flat_patch((24.0, 16.0, 2.0), resolution=4.0, spacing=2.0)
     return Procedure(tissue, (DEFAULT_SKIN,), skin_lines=lines)
+
+
+def test_the_field_at_a_point_does_not_depend_on_how_many_others_are_asked_for() -> None:
+    """Of thousands, laid in blocks, each has what the formula says of it alone."""
+    arc = np.linspace(0.0, 2.0, 30)
+    curves = (
+        np.stack([20.0 * np.cos(arc), 20.0 * np.sin(arc), arc], 1),
+        np.array([[-20.0, 5.0, 0.0], [20.0, -9.0, 3.0]]),
+    )
+    lines = [SkinLine(f"line_{k}", tuple(map(tuple, curve))) for k, curve in enumerate(curves)]
+    points = np.random.default_rng(5).uniform(-25.0, 25.0, (4500, 3))
+    normals = points / np.linalg.norm(points, axis=1, keepdims=True)
+    field = skin_field(lines, points, normals, DEFAULT_SKIN)
+    for rows in (slice(0, 40), slice(500, 520), slice(2040, 2060), slice(4090, 4100), slice(4460, 4500)):
+        few = skin_field(lines, points[rows], normals[rows], DEFAULT_SKIN)
+        assert np.abs((field.directions[rows] * few.directions).sum(axis=1)) == pytest.approx(1.0, abs=1e-9)
+    places, tangents, _ = _samples(lines, DEFAULT_SKIN)
+    weights = (((points[:, None] - places) ** 2).sum(axis=2) + STEP**2) ** -2.0
+    tensors = np.einsum("rk,ki,kj->rij", weights, tangents, tangents)
+    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    values, vectors = np.linalg.eigh(plane @ tensors @ plane)
+    clear = values[:, 2] - values[:, 1] > 0.1 * values[:, 1:].sum(axis=1)
+    assert clear.sum() > 3000
+    assert between(field.directions[clear], vectors[clear, :, 2]).max() < 1e-4
 
 
 def test_the_daemon_is_told_the_field_and_every_key_holds_it(tmp_path: Path) -> None:

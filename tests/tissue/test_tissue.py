@@ -53,6 +53,19 @@ def edges_of(tissue: Tissue, face_uv: bool):
     return np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=-1)
 
 
+def test_the_surface_of_a_tissue_is_made_once_and_a_fault_is_found_each_time(ball):
+    tissue, _ = new_tissue(ball)
+    surface = tissue_surface(tissue)
+    assert tissue_surface(replace(tissue)) is surface
+    wider = tissue_surface(replace(tissue, points=1.1 * tissue.points))
+    assert volume(wider) == pytest.approx(1.1**3 * volume(surface), rel=1e-6)
+    counts, indices = tissue.face_vertex_counts[1:], tissue.face_vertex_indices[3:]
+    torn = replace(tissue, face_vertex_counts=counts, face_vertex_indices=indices, subsets={}, uv=None)
+    for _ in range(2):
+        with refuses(ProblemCode.MESH_OPEN):
+            tissue_surface(torn)
+
+
 def test_a_closed_mesh_is_taken_as_it_is(ball):
     tissue, lines = new_tissue(ball)
     surface = tissue_surface(tissue)

@@ -8,6 +8,8 @@ the lowest level instead: that takes fewer calls of numpy.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -94,6 +96,11 @@ class ClosestPoint:
                 index[rows], closest[rows], distance[rows] = triangle[close], point[close], np.sqrt(squared[close])
         return index, closest, distance
 
+    @cached_property
+    def _lowest(self) -> NDArray[np.float64]:
+        """The low and the high corners of the lowest boxes, shape (2, 3, k): numpy is slow along short axes."""
+        return np.ascontiguousarray(self._levels[-1].T).reshape(2, 3, -1)
+
     def _remembered(self, query: NDArray[np.float64], within: float) -> tuple[int, NDArray[np.float64], float]:
         """The triangle, point (3,) and distance of one query (3,), as `query` gives them."""
         asked = (query.tobytes(), within)
@@ -107,13 +114,16 @@ class ClosestPoint:
         nothing = (-1, np.full(3, np.nan), np.nan)
         if not np.isfinite(query).all():
             return nothing
-        boxes = self._levels[-1]
-        away = _to_boxes(query, boxes)
+        low, high = self._lowest
+        point = query[:, None]
+        outside = np.maximum(np.maximum(low - point, point - high), 0.0)
+        outside *= outside
+        away = outside[0] + outside[1] + outside[2]
         nearest = int(away.argmin())
         if not np.isfinite(away[nearest]):  # no triangle is
             return nothing
         # The triangle in the nearest box is not farther than that box's farthest corner.
-        farthest = np.maximum(query - boxes[nearest, :3], boxes[nearest, 3:] - query)
+        farthest = np.maximum(query - low[:, nearest], high[:, nearest] - query)
         coordinate = max(float(np.abs(query).max()), self._extent)
         reach = min(float(np.sqrt((farthest * farthest).sum())), within) * (1.0 + _SHARE) + _COORDINATE * coordinate
         triangle = self._triangle[np.flatnonzero(away <= reach * reach)]

@@ -43,7 +43,7 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
         turned = 0
         owner = _edge_owner(triangles, np.unique(triangles[flat]))
         for face in flat[np.argsort(low[flat], kind="stable")].tolist():
-            if _heights(points, triangles[face : face + 1])[0] >= height:
+            if low[face] >= height:  # a turn before has changed it
                 continue
             corners = points[triangles[face]]
             lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
@@ -60,13 +60,14 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
             if d == c or (c, d) in owner or (d, c) in owner:
                 continue
             fresh = np.array([[a, d, c], [d, b, c]])
-            before = _heights(points, triangles[[face, other]]).min()
-            if _heights(points, fresh).min() <= before:
+            after = _heights(points, fresh)
+            if after.min() <= min(low[face], low[other]):
                 continue
             uv_b, uv_a, uv_d = (uv[other, (at + k) % 3].copy() for k in range(3))
             t = float(np.clip(np.dot(points[c] - points[a], points[b] - points[a]) / lengths[first] ** 2, 0.0, 1.0))
             uv_c = uv_a + t * (uv_b - uv_a)
             triangles[face], triangles[other] = fresh
+            low[face], low[other] = after
             uv[face], uv[other] = (uv_a, uv_d, uv_c), (uv_d, uv_b, uv_c)
             source[face] = source[other]
             del owner[(a, b)], owner[(b, a)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,6 +26,13 @@ class InsideTest:
 
     def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
         self._points, self._triangles = np.asarray(points, np.float64), np.asarray(triangles, np.int64)
+
+    @cached_property
+    def _at_vertices(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The triangles at every vertex, one vertex after the other, and where those of each begin."""
+        corners = self._triangles.reshape(-1)
+        order = np.argsort(corners, kind="stable")
+        return order // 3, np.searchsorted(corners[order], np.arange(len(self._points) + 1))
 
     def contains(
         self, queries: ArrayLike, triangle: NDArray[np.integer], closest: NDArray[np.float64]
@@ -64,7 +73,10 @@ class InsideTest:
 
     def _normal_around(self, kept: NDArray[np.int64]) -> NDArray[np.float64]:
         """The pseudonormal of an edge (two vertices) or a corner (one), of any length."""
-        around = np.flatnonzero(np.logical_and.reduce([(self._triangles == each).any(axis=1) for each in kept]))
+        triangles, start = self._at_vertices
+        around, *others = (triangles[start[each] : start[each + 1]] for each in kept)
+        for other in others:
+            around = np.intersect1d(around, other)
         faces = self._areas(around)
         faces /= np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-300)
         if len(kept) == 2:

@@ -187,7 +187,8 @@ def _effort(
     if not len(taken):
         return lengths
     along = sites[:, None] + np.linspace(0.3, 0.95, 6)[:, None] * (end - sites)[:, None]
-    near = np.linalg.norm(along[:, :, None] - taken, axis=3).min(axis=2) < 0.3 * line
+    across, down = along[..., None, 0] - taken[:, 0], along[..., None, 1] - taken[:, 1]
+    near = np.sqrt((across * across + down * down).min(axis=2)) < 0.3 * line
     effort: NDArray[np.float64] = lengths + _ALONG * near.sum(axis=1)
     return effort
 

@@ -46,8 +46,9 @@ class ScreenTriangles:
             reach = np.asarray(frame)
             kept &= ((corners.min(axis=1) < reach) & (corners.max(axis=1) > -reach)).all(axis=1)
         self.ids = np.flatnonzero(kept)
-        self._origin, self._first, self._second = corners[kept, 0], first[kept], second[kept]
-        self._area = area[kept]
+        # Rows of numbers, which are picked faster than pairs of them.
+        vectors = (corners[kept, 0], first[kept], second[kept])
+        self._numbers = np.concatenate([*(each.T for each in vectors), area[kept][None]])
         self._inverse = 1.0 / depth[triangles[kept]]  # linear on the paper
         low, high = corners[kept].min(axis=1), corners[kept].max(axis=1)
         if frame is not None:
@@ -110,21 +111,27 @@ class ScreenTriangles:
     ) -> None:
         """Look at some of the places."""
         count = counts[part]
-        owner = np.repeat(np.arange(part.start, part.stop), count)
-        place = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-        candidate = self._owner[self._start[cells[owner]] + place]
-        away = places[owner] - self._origin[candidate]
-        first, second, area = self._first[candidate], self._second[candidate], self._area[candidate]
-        u = (away[:, 0] * second[:, 1] - away[:, 1] * second[:, 0]) / area
-        v = (first[:, 0] * away[:, 1] - first[:, 1] * away[:, 0]) / area
+        place = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+        candidate = self._owner[np.repeat(self._start[cells[part]], count) + place]
+        left, top, first_x, first_y, second_x, second_y, area = (each[candidate] for each in self._numbers)
+        away_x, away_y = (np.repeat(each, count) for each in places[part].T)
+        away_x -= left
+        away_y -= top
+        u = (away_x * second_y - away_y * second_x) / area
+        v = (first_x * away_y - first_y * away_x) / area
         hit = (u >= -_EDGE) & (v >= -_EDGE) & (u + v <= 1.0 + _EDGE)
-        owner, candidate, u, v = owner[hit], candidate[hit], u[hit], v[hit]
+        owner = np.repeat(np.arange(part.start, part.stop), count)[hit]
+        candidate, u, v = candidate[hit], u[hit], v[hit]
         corner = self._inverse[candidate]
         nearness = corner[:, 0] + u * (corner[:, 1] - corner[:, 0]) + v * (corner[:, 2] - corner[:, 0])
-        nearest_first = np.lexsort((candidate, -nearness))
-        best = nearest_first[np.unique(owner[nearest_first], return_index=True)[1]]
-        found[owner[best]] = candidate[best]
-        inverse[owner[best]] = nearness[best]
+        # Owners stand in order: each has its candidates together, of which the nearest and, of those, the first counts.
+        begin = np.flatnonzero(np.diff(owner, prepend=-1))
+        if not len(begin):
+            return
+        best = np.maximum.reduceat(nearness, begin)
+        is_best = nearness == np.repeat(best, np.diff(begin, append=len(owner)))
+        found[owner[begin]] = np.minimum.reduceat(np.where(is_best, candidate, len(self.ids)), begin)
+        inverse[owner[begin]] = best
 
     def _cell_of(self, places: NDArray[np.float64]) -> NDArray[np.int64]:
         cells: NDArray[np.int64] = np.floor((places - self._low) / self._cell).astype(np.int64)

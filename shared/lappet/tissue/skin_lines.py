@@ -26,6 +26,7 @@ from lappet.tissue.uniaxial import prestretch_for
 STEP = 1.0  # mm
 _CLEAR = 0.05  # least difference of the eigenvalues, relative to their sum, for a direction that is not a tie
 _ROWS = 512  # points of the skin at a time
+_BLOCK = 4  # so many times as many have their tensors added up at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +91,28 @@ def skin_field(
     """
     places, tangents, stretches = _samples(lines, material)
     directions, stretch = np.empty_like(points), np.empty((len(points), 2))
-    for first in range(0, len(points), _ROWS):
-        rows = slice(first, first + _ROWS)
-        squared = ((points[rows, None] - places[None]) ** 2).sum(axis=2)
-        weights = (squared + STEP**2) ** -2.0
-        weights /= weights.sum(axis=1, keepdims=True)
-        stretch[rows] = weights @ stretches
-        directions[rows] = _directions(weights, squared.argmin(axis=1), tangents, normals[rows])
+    for start in range(0, len(points), _BLOCK * _ROWS):
+        block = slice(start, min(start + _BLOCK * _ROWS, len(points)))
+        weights, closest = np.empty((len(places), block.stop - start)), np.empty(block.stop - start, np.intp)
+        for first in range(start, block.stop, _ROWS):
+            rows = slice(first, min(first + _ROWS, block.stop))
+            squared = _squared_distances(points[rows], places)
+            share = (squared + STEP**2) ** -2.0
+            share /= share.sum(axis=1, keepdims=True)
+            stretch[rows] = share @ stretches
+            within = slice(first - start, rows.stop - start)
+            weights[:, within], closest[within] = share.T, squared.argmin(axis=1)
+        directions[block] = _directions(weights, closest, tangents, normals[block])
     return SkinField(directions, stretch)
+
+
+def _squared_distances(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of each point (r, 3) from each place (k, 3), shape (r, k); by coordinates, with no array of all differences."""
+    squared = np.zeros((len(points), len(places)))
+    for at, to in zip(points.T, places.T, strict=True):
+        apart = at[:, None] - to
+        squared += apart * apart
+    return squared
 
 
 def _samples(
@@ -120,8 +135,11 @@ def _directions(
     tangents: NDArray[np.float64],
     normals: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """The main directions of the weighted tangents in the tangent planes, shape (r, 3)."""
-    tensors = np.einsum("rk,ki,kj->rij", weights, tangents, tangents)
+    """The main directions of the tangents, weighted (k, r), in the tangent planes, shape (r, 3)."""
+    sums = np.zeros((3, 3, weights.shape[1]))
+    for weight, tangent in zip(weights, tangents, strict=True):  # einsum adds up in this order too, five times as long
+        sums += (tangent[:, None] * weight)[:, None] * tangent[:, None]
+    tensors = np.ascontiguousarray(sums.transpose(2, 0, 1))
     plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
     values, vectors = np.linalg.eigh(plane @ tensors @ plane)
     main = vectors[:, :, 2]

@@ -6,6 +6,8 @@ Subsets named "underside" and "rim" say so themselves and then decide alone.
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,12 +22,15 @@ from lappet.tissue.patch import UV_SCALE
 
 LABELS = ("fixed", "bed", "underside", "rim")  # what these subsets say of their faces; all others are grips
 
+_known: WeakKeyDictionary[Tissue, Surface] = WeakKeyDictionary()  # finding no fault takes longer than all else
+
 
 def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
     """Make the closed, outward oriented, labeled triangle surface of a tissue.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
     turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100 mm.
+    It is made once for a tissue, as long as that lives.
 
     Parameters
     ----------
@@ -45,6 +50,12 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
         If the mesh is not finite, open, not orientable, not manifold, self-intersecting or empty inside, or a subset
         names a face that it lacks.
     """
+    if tissue not in _known:
+        _known[tissue] = _made(tissue, prim)
+    return _known[tissue]
+
+
+def _made(tissue: Tissue, prim: str) -> Surface:
     points = np.ascontiguousarray(tissue.points, np.float64)
     counts = np.asarray(tissue.face_vertex_counts, np.int64)
     indices = np.asarray(tissue.face_vertex_indices, np.int64)
