@@ -204,9 +204,11 @@ def tidy(tissue: LabeledSolid, spacing: float, tolerance: float) -> LabeledSolid
         for _ in range(3):  # what one step is kept from, the other may make possible
             simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
         tissue = LabeledSolid.from_surface(simple)
-    fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing))
+    fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing)).surface()
+    if tolerance > 0.0:  # in the rows of long triangles that are hardly wider than that
+        fine = collapse_short_edges(fine, tolerance)
     # Every triangle becomes a face of its own, so that no later step merges what was refined.
-    return LabeledSolid.from_surface(fine.surface())
+    return LabeledSolid.from_surface(fine)
 
 
 def fragments(tissue: LabeledSolid) -> list[LabeledSolid]:
