@@ -171,7 +171,8 @@ def test_no_triangle_is_flatter_than_a_twentieth_of_the_kerf(kerf):
 @pytest.mark.parametrize("points", [Z, EIGHT])
 def test_walls_have_no_edges_shorter_than_a_tenth_of_the_kerf(points, spacing: float) -> None:
     """Nor in the rows that refining makes of long triangles: there walls meet themselves with the least motion."""
-    corners = (surface := cut(line(*points, kerf=0.05), tissue=patch(spacing=spacing)).surface).points[surface.triangles]
+    surface = cut(line(*points, kerf=0.05), tissue=patch(spacing=spacing)).surface
+    corners = surface.points[surface.triangles]
     assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min() >= 0.1 * 0.05
 
 

@@ -187,7 +187,6 @@ REGIONAL_FLAPS = {
             "The third stage leaves 2.8 mm of the paddle, as the model `nose` has. It makes the paddle lie lower: as "
             "the model's forehead and nose are equally thick, it stood no prouder than its surroundings before.",
             mirrored=True,
-            self_contact=False,
         ),
         RegionalFlap(
             "scalp_rotation",
