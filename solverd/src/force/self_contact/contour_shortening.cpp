@@ -12,7 +12,7 @@ namespace {
 // triangles.
 constexpr double kFarthest = 0.5;
 // What an edge goes back against a face in a round, and what a node moves for it at most, in reaches.
-constexpr double kStep = 0.25, kMostOfNode = 0.5;
+constexpr double kStep = 0.25, kMaxOfNode = 0.5;
 // Along how much of a contour one direction is looked for, in spacings: nodes move no finer.
 constexpr double kNear = 1.0;
 
@@ -53,7 +53,7 @@ void ContourShortening::want(const ContourPoint& point) {
   double squared = 0.0;
   for (const Share& share : shares) squared += share.factor * share.factor;
   if (!(squared > 0.0)) return;
-  const double by = surface_.reach() * std::min(kStep / squared, kMostOfNode / std::sqrt(squared));
+  const double by = surface_.reach() * std::min(kStep / squared, kMaxOfNode / std::sqrt(squared));
   for (const auto& [node, factor] : shares) {
     wanted_[node].sum += std::abs(factor) * by * factor * point.direction;
     wanted_[node].weight += std::abs(factor);

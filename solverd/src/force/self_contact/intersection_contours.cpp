@@ -14,7 +14,7 @@ namespace {
 
 // The sine of the angle between an edge and a face that it goes through, at least: nearer to parallel they have no
 // direction.
-constexpr double kLeastSine = 1e-3;
+constexpr double kMinSine = 1e-3;
 // From which length of a gradient on its direction counts in full.
 constexpr double kClear = 0.1;
 
@@ -58,7 +58,7 @@ class Contours {
     const auto& [a, b] = surface_.edges()[edge];
     const auto& [p, q, r] = surface_.triangles()[face];
     const Vec3 across = normal(face), way = places_[b] - places_[a], along = way.normalized();
-    const double sine = std::copysign(std::max(std::abs(along.dot(across)), kLeastSine), along.dot(across));
+    const double sine = std::copysign(std::max(std::abs(along.dot(across)), kMinSine), along.dot(across));
     ContourPoint& point = points_[i];
     point.edge = edge;
     point.face = face;
@@ -69,7 +69,7 @@ class Contours {
     for (const Index t : surface_.triangles_at(edge)) {
       if (t < 0) continue;
       Vec3 contour = across.cross(normal(t));
-      if (!(contour.norm() > kLeastSine)) continue;
+      if (!(contour.norm() > kMinSine)) continue;
       contour.normalize();
       Vec3 inward = -3.0 * gradient.at;
       for (const Index v : surface_.triangles()[t]) inward += places_[v];

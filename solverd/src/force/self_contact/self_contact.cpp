@@ -26,7 +26,7 @@ constexpr double kSlide = 2e-3;
 // Rounds without less of what goes through itself, after which it stays as it is: of vertices that lie behind
 // something, and of contours that are shortened, of which those of more places are deep.
 constexpr int kRoundsInVain = 5, kRounds = 20;
-constexpr std::size_t kMostPlaces = 4000;
+constexpr std::size_t kMaxPlaces = 4000;
 
 double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
 
@@ -89,7 +89,7 @@ std::size_t SelfContact::untangle(std::span<Real> u, const std::function<bool(In
         return behind.push(places_, piercings, to);
       }))
     return places;
-  if (places > kMostPlaces) return 0;
+  if (places > kMaxPlaces) return 0;
   const std::vector<double> start(u.begin(), u.end());
   ContourShortening contours(surface_, moves, start);
   return take_apart(u, kRounds,
@@ -100,14 +100,14 @@ std::size_t SelfContact::untangle(std::span<Real> u, const std::function<bool(In
              : 0;
 }
 
-// Rounds of push until nothing goes through anything, or there were so many without less of it; then u stays.
+// Rounds until nothing goes through anything, or there were so many without less of it; then u stays.
 template <class Real>
-bool SelfContact::take_apart(std::span<Real> u, int most_in_vain, const Push& push) {
+bool SelfContact::take_apart(std::span<Real> u, int most_in_vain, const Round& round) {
   std::vector<double> moved(u.begin(), u.end());
   std::size_t fewest = count_piercings<Real>(u);
   for (int in_vain = 0; in_vain < most_in_vain; ++in_vain) {
     surface_.positions<double>(moved, places_);
-    if (!push(candidates_.piercings(places_), moved)) return false;
+    if (!round(candidates_.piercings(places_), moved)) return false;
     const std::vector<Real> rounded(moved.begin(), moved.end());
     const std::size_t left = count_piercings<Real>(rounded);
     if (left == 0) {

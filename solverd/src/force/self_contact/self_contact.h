@@ -94,11 +94,11 @@ class SelfContact {
   std::size_t bytes() const { return surface_.bytes() + candidates_.bytes() + friction_.bytes(); }
 
  private:
-  // A round that moves nodes at piercings; false where it finds none to move.
-  using Push = std::function<bool(std::span<const Piercing>, std::span<double>)>;
+  // One that moves nodes at piercings; false where it finds none to move.
+  using Round = std::function<bool(std::span<const Piercing>, std::span<double>)>;
 
   template <class Real>
-  bool take_apart(std::span<Real> u, int most_in_vain, const Push& push);
+  bool take_apart(std::span<Real> u, int most_in_vain, const Round& round);
   void add_row(const std::array<Index, 4>& vertices, const TangentRow& row, SparseRows& to) const;
   void add_force(Index vertex, const Vec3& force, std::span<double> gradient) const;
   // Writes where a step begins and goes, and finds the candidates for it.
