@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from shapely import Polygon
@@ -9,6 +11,7 @@ from shapely import Polygon
 import synthetic_skin_cache as synthetic
 from lappet.drawing.open_wound import open_area
 from lappet.drawing.skin_read import SkinCache
+from lappet.geometry.labeled_surface import FaceOrigin
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -40,3 +43,42 @@ def test_a_slit_that_hooks_hold_apart_is_open_by_the_area_between_its_lips(cache
 @pytest.mark.parametrize("time", [1.0, 12.0])
 def test_whole_skin_and_a_sutured_slit_are_closed(cache: SkinCache, time: float) -> None:
     assert open_area(cache, time, UP) == 0.0
+
+
+@dataclass
+class Island:
+    """A sheet 40 mm wide with a square hole, and in it a square of skin; walls go down from both edges of the wound."""
+
+    hole: float  # mm, half of its side
+    half: float
+
+    def __post_init__(self) -> None:
+        square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+        rings = [(20.0, 0.0), (self.hole, 0.0), (self.half, 0.0), (self.hole, -4.0), (self.half, -4.0)]
+        self.points = np.concatenate([np.column_stack([half * square, np.full(4, z)]) for half, z in rings])
+
+        def band(outer: int, inner: int) -> list[tuple[int, int, int]]:
+            a, b, after = 4 * outer, 4 * inner, lambda k: (k + 1) % 4
+            quads = [(a + k, a + after(k), b + after(k), b + k) for k in range(4)]
+            return [triangle for w, x, y, z in quads for triangle in ((w, x, y), (w, y, z))]
+
+        skin = [*band(0, 1), (8, 9, 10), (8, 10, 11)]
+        walls = [*band(1, 3), *band(2, 4)]
+        self.triangles = np.array(skin + walls)
+        self.origin = np.array([FaceOrigin.SKIN] * len(skin) + [FaceOrigin.WOUND_WALL] * len(walls))
+
+    def epoch_at(self, time: float) -> Island:
+        return self
+
+    def positions(self, epoch: Island, time: float) -> np.ndarray:
+        return self.points
+
+
+def test_an_island_that_fills_its_wound_leaves_nothing_open() -> None:
+    assert open_area(Island(6.0, 5.0), 1.0, UP) == 0.0
+
+
+def test_around_an_island_the_ring_that_gapes_is_open() -> None:
+    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    ring = Polygon(10.0 * square).buffer(-1.5).area - Polygon(5.0 * square).buffer(1.5).area
+    assert open_area(Island(10.0, 5.0), 1.0, UP) == pytest.approx(ring, rel=0.01)

@@ -46,6 +46,7 @@ def open_area(source: SkinSource, time: float, normal: NDArray[np.float64]) -> f
     found = 0.0
     for outline in sheet.to_polygons():
         if np.abs(outline[:, None] - lips).max(axis=2).min() < _SAME:
-            gap = manifold3d.CrossSection([outline], manifold3d.FillRule.Negative)  # nothing where it is no hole
+            # Nothing where it is no hole; of one around an island only what this does not fill.
+            gap = manifold3d.CrossSection([outline], manifold3d.FillRule.Negative) - sheet
             found += gap.offset(-_HALF_GAP).area()
     return found
