@@ -9,7 +9,7 @@
 namespace lappet {
 namespace {
 
-const auto kAllMove = [](Index) { return true; };
+const std::function<bool(Index)> kAllMove = [](Index) { return true; };
 
 // A box and a tetrahedron above it, of which the tip points down.
 class BoxAndTip {
