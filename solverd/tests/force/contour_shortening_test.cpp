@@ -9,8 +9,6 @@
 namespace lappet {
 namespace {
 
-const std::function<bool(Index)> kAllMove = [](Index) { return true; };
-
 // A box and a tetrahedron above it, of which the tip points down.
 class BoxAndTip {
  public:

@@ -1,5 +1,6 @@
 // Numbers at random, the same every time, and two boxes that may be moved into each other.
 #pragma once
+#include <functional>
 #include <memory>
 #include <random>
 
@@ -16,6 +17,9 @@ class Random {
  private:
   std::mt19937 engine_{5};
 };
+
+// That every node may move.
+inline const std::function<bool(Index)> kAllMove = [](Index) { return true; };
 
 // Two boxes with surfaces of different triangles, one over the other, and displacements of theirs.
 class TwoBoxes {

@@ -8,8 +8,6 @@
 namespace lappet {
 namespace {
 
-const auto kAllMove = [](Index) { return true; };
-
 double largest_difference(std::span<const double> a, std::span<const double> b) {
   double most = 0.0;
   for (std::size_t n = 0; 3 * n < a.size(); ++n)

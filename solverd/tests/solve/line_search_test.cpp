@@ -49,8 +49,7 @@ struct HookedSheet {
   void add_wall(double share) {
     PointConstraint wall = hook;
     wall.pieces[0].offset = Vec3::Zero();
-    wall.slack =
-        share * std::abs(static_cast<double>(*std::ranges::max_element(step, {}, [](float x) { return std::abs(x); })));
+    wall.slack = share * largest<float>(step);
     wall.stiffness = 400.0 * kSpring;
     system.set_point_constraints({hook, wall});
   }
