@@ -79,9 +79,11 @@ def test_skin_goes_on_to_the_border_of_a_painting(paintings: dict[int, bytes]) -
 
 def test_the_same_panel_is_painted_alike(painted_page: PlatePage, paintings: dict[int, bytes]) -> None:
     again = page_paintings(painted_page, STYLE, None, DPI)
-    assert {k: pixels(png).tobytes() for k, png in again.items()} == {
-        k: pixels(png).tobytes() for k, png in paintings.items()
-    }
+    assert again.keys() == paintings.keys()
+    for k, png in again.items():
+        # Samples of another seed differ by 2.0 of 255 on the mean. The same ones do by a few pixels now and then, as
+        # Cycles divides its trees of triangles in threads, and rays that meet an edge find the one or the other face.
+        assert np.abs(pixels(png).astype(float) - pixels(paintings[k])).mean() < 0.1
 
 
 def test_a_darker_tone_paints_darker_skin_and_the_same_wound(
