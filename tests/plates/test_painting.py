@@ -81,8 +81,8 @@ def test_the_same_panel_is_painted_alike(painted_page: PlatePage, paintings: dic
     again = page_paintings(painted_page, STYLE, None, DPI)
     assert again.keys() == paintings.keys()
     for k, png in again.items():
-        # Samples of another seed differ by 2.0 of 255 on the mean. The same ones do by a few pixels now and then, as
-        # Cycles divides its trees of triangles in threads, and rays that meet an edge find the one or the other face.
+        # Pictures of two seeds differ by 2.0 of 255 on the mean, those of one now and then in a few pixels: Cycles
+        # builds its trees of triangles in threads, and which face a ray finds that meets an edge may hang on that.
         assert np.abs(pixels(png).astype(float) - pixels(paintings[k])).mean() < 0.1
 
 

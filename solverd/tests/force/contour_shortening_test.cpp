@@ -85,9 +85,9 @@ TEST(IntersectionContours, WeightsAndSharesMeetAtOnePoint) {
 
 // A box and a plate above its edge, moved down into it.
 struct BoxAndPlate {
-  explicit BoxAndPlate(double depth) : surface(grid_box({0, 0, 0}, {4, 4, 2}, 1.0)) {
+  explicit BoxAndPlate(double depth, double edge = 0.5) : surface(grid_box({0, 0, 0}, {4, 4, 2}, 1.0)) {
     const std::size_t first_of_plate = surface.points.size();
-    append(surface, grid_box({-0.3, 1, 2.3}, {0.2, 3, 5}, 0.5));
+    append(surface, grid_box({-0.3, 1, 2.3}, {0.2, 3, 5}, edge));
     lattice = build_lattice(surface, {});
     u.assign(3 * lattice.node_rest.size(), 0.0);
     for (std::size_t v = first_of_plate; v < surface.points.size(); ++v)
@@ -123,6 +123,28 @@ TEST(ContourShortening, DrawsAPlateBackFromTheEdgeOfABox) {
       most = std::max(most, (Vec3::Map(&scene.u[3 * n]) - Vec3::Map(&before[3 * n])).norm());
     EXPECT_LT(most, depth + 0.05);
   }
+}
+
+TEST(ContourShortening, WhatCannotMoveStaysAndTheRestIsTakenApart) {
+  BoxAndPlate scene(0.1, 0.1);
+  Surface tip;  // beside the plate, above the box
+  tip.points = {{3.3, 3.1, 2.2}, {3.2, 3.0, 4.0}, {3.5, 3.0, 4.0}, {3.3, 3.4, 4.0}};
+  tip.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}};
+  const std::size_t first_of_tip = scene.surface.points.size();
+  append(scene.surface, tip);
+  scene.lattice = build_lattice(scene.surface, {});
+  scene.u.resize(3 * scene.lattice.node_rest.size(), 0.0);
+  std::vector<std::uint8_t> held(scene.lattice.node_rest.size(), 0);
+  for (std::size_t v = 0; v < scene.surface.points.size(); ++v)
+    for (const Index n : scene.lattice.cell_nodes[scene.lattice.surface_points[v].cell]) {
+      if (v >= first_of_tip) scene.u[3 * n + 2] = -0.3;
+      if (v >= first_of_tip || scene.surface.points[v][0] > 3.0) held[n] = 1;
+    }
+  SelfContact contact(scene.lattice, scene.surface, 50.0);
+  const std::size_t places = contact.count_piercings<double>(scene.u), of_tip = 3;
+  ASSERT_GT(places, 20 * of_tip);
+  EXPECT_EQ(contact.untangle<double>(scene.u, [&](Index n) { return held[n] == 0; }), places - of_tip);
+  EXPECT_EQ(contact.count_piercings<double>(scene.u), of_tip);
 }
 
 TEST(ContourShortening, StopsBeforeNodesGoFarther) {

@@ -27,6 +27,9 @@ constexpr double kSlide = 2e-3;
 // something, and of contours that are shortened, of which those of more places are deep.
 constexpr int kRoundsInVain = 5, kRounds = 20;
 constexpr std::size_t kMaxPlaces = 4000;
+// Which share of the places where contours are shortened may stay as it is while the others are taken apart. Where more
+// does, surfaces lie deep in each other, and half of the way out leads nowhere.
+constexpr double kMaxLeft = 0.05;
 
 double reach_at(double spacing) { return kReach * spacing * std::max(spacing / kFullSpacing, 1.0); }
 
@@ -85,39 +88,40 @@ std::size_t SelfContact::untangle(std::span<Real> u, const std::function<bool(In
   const std::size_t places = count_piercings<Real>(u);
   if (places == 0) return 0;
   Untangling behind(surface_, moves);
-  if (take_apart(u, kRoundsInVain, [&](std::span<const Piercing> piercings, std::span<double> to) {
+  if (take_apart(u, kRoundsInVain, 0, [&](std::span<const Piercing> piercings, std::span<double> to) {
         return behind.push(places_, piercings, to);
-      }))
+      }) == 0)
     return places;
   if (places > kMaxPlaces) return 0;
   const std::vector<double> start(u.begin(), u.end());
   ContourShortening contours(surface_, moves, start);
-  return take_apart(u, kRounds,
-                    [&](std::span<const Piercing> piercings, std::span<double> to) {
-                      return contours.push(places_, piercings, to);
-                    })
-             ? places
-             : 0;
+  const auto enough = static_cast<std::size_t>(kMaxLeft * static_cast<double>(places));
+  return places - take_apart(u, kRounds, enough, [&](std::span<const Piercing> piercings, std::span<double> to) {
+           return contours.push(places_, piercings, to);
+         });
 }
 
-// Rounds until nothing goes through anything, or there were so many without less of it; then u stays.
+// Rounds until nothing goes through anything, or there were so many without less of it. Where more than `enough` is
+// left, u stays. Returns how much goes through something at u.
 template <class Real>
-bool SelfContact::take_apart(std::span<Real> u, int most_in_vain, const Round& round) {
+std::size_t SelfContact::take_apart(std::span<Real> u, int most_in_vain, std::size_t enough, const Round& round) {
   std::vector<double> moved(u.begin(), u.end());
-  std::size_t fewest = count_piercings<Real>(u);
-  for (int in_vain = 0; in_vain < most_in_vain; ++in_vain) {
+  std::vector<Real> best;
+  const std::size_t places = count_piercings<Real>(u);
+  std::size_t fewest = places;
+  for (int in_vain = 0; fewest > 0 && in_vain < most_in_vain; ++in_vain) {
     surface_.positions<double>(moved, places_);
-    if (!round(candidates_.piercings(places_), moved)) return false;
-    const std::vector<Real> rounded(moved.begin(), moved.end());
+    if (!round(candidates_.piercings(places_), moved)) break;
+    std::vector<Real> rounded(moved.begin(), moved.end());
     const std::size_t left = count_piercings<Real>(rounded);
-    if (left == 0) {
-      std::ranges::copy(rounded, u.begin());
-      return true;
-    }
-    if (left < fewest) in_vain = 0;
-    fewest = std::min(fewest, left);
+    if (left >= fewest) continue;
+    in_vain = 0;
+    fewest = left;
+    best = std::move(rounded);
   }
-  return false;
+  if (fewest >= places || fewest > enough) return places;
+  std::ranges::copy(best, u.begin());
+  return fewest;
 }
 
 template <class Real>

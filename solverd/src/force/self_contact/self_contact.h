@@ -50,7 +50,8 @@ class SelfContact {
 
   // Takes the surface apart where it goes through itself by little (untangling.h, contour_shortening.h), by nodes of
   // which `moves` tells.
-  // Returns at how many places; 0, and u as it was, where it goes through nothing or cannot be taken apart.
+  // Returns at how many places: all, or all but a few. 0, and u as it was, where it goes through nothing or cannot be
+  // taken apart.
   template <class Real>
   std::size_t untangle(std::span<Real> u, const std::function<bool(Index)>& moves);
 
@@ -98,7 +99,7 @@ class SelfContact {
   using Round = std::function<bool(std::span<const Piercing>, std::span<double>)>;
 
   template <class Real>
-  bool take_apart(std::span<Real> u, int most_in_vain, const Round& round);
+  std::size_t take_apart(std::span<Real> u, int most_in_vain, std::size_t enough, const Round& round);
   void add_row(const std::array<Index, 4>& vertices, const TangentRow& row, SparseRows& to) const;
   void add_force(Index vertex, const Vec3& force, std::span<double> gradient) const;
   // Writes where a step begins and goes, and finds the candidates for it.
