@@ -87,6 +87,16 @@ def test_frames_that_were_taken_apart_at_their_start_are_a_note_and_no_warning(
     assert [each.code for each in both] == [ProblemCode.FRAMES_START_PIERCED, ProblemCode.FRAMES_UNTANGLED]
 
 
+def test_a_warning_counts_what_was_not_taken_apart(program: Program, frames: tuple[FrameResult, ...]) -> None:
+    clear = pushed_together(program, frames, 0.0)[0]
+    said = replace(clear.solved.diagnostics, piercings_before=7, untangled=5)
+    both = overlap_notes(program, [replace(clear, solved=replace(clear.solved, diagnostics=said))])
+    assert {each.code: each.value for each in both} == {
+        ProblemCode.FRAMES_START_PIERCED: "2",
+        ProblemCode.FRAMES_UNTANGLED: "5",
+    }
+
+
 def test_only_the_last_frame_counts_and_no_frames_have_none(program: Program, frames: tuple[FrameResult, ...]) -> None:
     pushed = pushed_together(program, frames, 1.0)
     assert overlap_notes(program, [pushed[-1], pushed_together(program, frames, 0.0)[-1]]) == []

@@ -106,7 +106,8 @@ class Diagnostics:
     piercings_before
         The same in the state that the frame was solved from.
     untangled
-        How many of these were taken apart before the frame was solved; pairs at the others were left out.
+        How many of these were taken apart, before the frame was solved or where it rested; pairs at the others were
+        left out.
     lowest_stiffness
         The share of its stiffness that compression leaves the softest displacement: 1 without compression, 0 where the
         equilibrium is neutral, negative where it is unstable; NaN where it was not looked for.

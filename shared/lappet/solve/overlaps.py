@@ -47,7 +47,7 @@ def _pierced(frames: Sequence[FrameResult]) -> list[Problem]:
     said = [(frame.constraints.time, frame.solved.diagnostics) for frame in frames]
     starts = {
         ProblemCode.FRAMES_START_PIERCED: [
-            (time, each.piercings_before) for time, each in said if each.piercings_before > each.untangled
+            (time, left) for time, each in said if (left := each.piercings_before - each.untangled) > 0
         ],
         ProblemCode.FRAMES_UNTANGLED: [(time, each.untangled) for time, each in said if each.untangled > 0],
     }

@@ -106,6 +106,7 @@ class FrameSearch {
                        epoch_.constraints.bone_way().steps(before_.bone_motions, frame_.bone_motions),
                        epoch_.constraints.bone_way().steps({}, frame_.bone_motions)));
     settle_doubt();
+    if (found_.outcome.converged) part_at_rest();
     if (settings_.stability && found_.outcome.converged) leave_saddles();
   }
 
@@ -204,20 +205,42 @@ class FrameSearch {
 
   // Where the surface goes through itself by little at the start of an attempt it is taken apart first.
   void untangle(std::span<Real> u) {
-    const auto moves = [this](Index node) { return epoch_.system.is_free(static_cast<std::size_t>(node)); };
     SelfContact* contact = epoch_.system.self_contact();
-    found_.untangled = contact ? contact->untangle<Real>(u, moves) : 0;
+    found_.untangled = contact ? contact->untangle<Real>(u, moves()) : 0;
     if (found_.untangled > 0)
       spdlog::info("frame {:g} starts with a surface that went through itself {} times and was taken apart",
                    frame_.time, found_.untangled);
   }
 
+  // What could not be taken apart at the start may come apart where the frame rests, as the next one would begin. It
+  // rests again then with all of it kept apart.
+  void part_at_rest() {
+    if (found_.piercings_before == found_.untangled) return;
+    SelfContact& contact = *epoch_.system.self_contact();
+    auto apart = found_.state.u;
+    if (contact.untangle<Real>(apart, moves()) == 0 || contact.count_piercings<Real>(apart) > 0) return;
+    contact.begin<Real>(apart);
+    if (search_from(std::move(apart), [](const EquilibriumOutcome&) { return true; })) {
+      spdlog::info("frame {:g} came apart where it rests", frame_.time);
+      found_.untangled = found_.piercings_before;
+    } else {
+      contact.begin<Real>(began_);
+      evaluate();
+    }
+  }
+
+  std::function<bool(Index)> moves() const {
+    return [this](Index node) { return epoch_.system.is_free(static_cast<std::size_t>(node)); };
+  }
+
   // Where it still does, it cannot be kept apart.
   void begin_self_contact(std::span<const Real> u) {
     if (SelfContact* contact = epoch_.system.self_contact())
-      if ((found_.piercings_before = contact->begin<Real>(u)) > 0)
+      if ((found_.piercings_before = contact->begin<Real>(u)) > 0) {
         spdlog::info("frame {:g} starts with a surface that goes through itself {} times", frame_.time,
                      found_.piercings_before);
+        began_.assign(u.begin(), u.end());
+      }
     found_.piercings_before += found_.untangled;
   }
 
@@ -384,35 +407,48 @@ class FrameSearch {
   bool leave_saddle(double least) {
     const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
                                                 found_.outcome.at, options_.inverts);
-    TissueState<Real> saddle = found_.state;
     if (amplitude) {
-      add<Real>(static_cast<Real>(*amplitude), mode_, found_.state.u);
-      Evaluation reused = std::move(found_.outcome.at);
-      EquilibriumOutcome at_saddle = std::exchange(found_.outcome, {});
-      found_.outcome.at = std::move(reused);
-      options_.neighborhood_first = false;
-      options_.known.reset();
-      clear_motion();
-      const EquilibriumOutcome& outcome = found_.outcome;
-      for (int round = 0; round < kRounds; ++round) {
-        search_equilibrium(settings_.max_newton);
-        if (outcome.converged || outcome.failure.code != FailureCode::kIterations) break;
-      }
-      if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
-          outcome.energy < at_saddle.energy - least * std::abs(at_saddle.energy)) {
+      const double energy = found_.outcome.energy;
+      auto beside = found_.state.u;
+      add<Real>(static_cast<Real>(*amplitude), mode_, beside);
+      const auto is_lower = [&](const EquilibriumOutcome& at_saddle) {
+        return found_.outcome.inverted <= at_saddle.inverted &&
+               found_.outcome.energy < energy - least * std::abs(energy);
+      };
+      if (search_from(std::move(beside), is_lower)) {
         ++found_.effort.saddles_left;
-        spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
-                     outcome.energy);
+        spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, energy,
+                     found_.outcome.energy);
         return true;
       }
-      refuse_if_stopped();
-      at_saddle.at = std::move(found_.outcome.at);
-      found_.outcome = std::move(at_saddle);
-      found_.state = std::move(saddle);
     } else {
       lowest_ = std::max(lowest_, 0.0);
     }
     evaluate();
+    return false;
+  }
+
+  // Goes on from other displacements than those of an equilibrium, to another one. Where none is found, or
+  // stands(outcome of the one before) is false, the one before is found again; it is for the caller to evaluate it.
+  template <class Stands>
+  bool search_from(std::vector<Real> u, const Stands& stands) {
+    TissueState<Real> state = found_.state;
+    Evaluation reused = std::move(found_.outcome.at);
+    EquilibriumOutcome outcome = std::exchange(found_.outcome, {});
+    found_.outcome.at = std::move(reused);
+    found_.state.u = std::move(u);
+    options_.neighborhood_first = false;
+    options_.known.reset();
+    clear_motion();
+    for (int round = 0; round < kRounds; ++round) {
+      search_equilibrium(settings_.max_newton);
+      if (found_.outcome.converged || found_.outcome.failure.code != FailureCode::kIterations) break;
+    }
+    if (found_.outcome.converged && stands(outcome)) return true;
+    refuse_if_stopped();
+    outcome.at = std::move(found_.outcome.at);
+    found_.outcome = std::move(outcome);
+    found_.state = std::move(state);
     return false;
   }
 
@@ -445,6 +481,7 @@ class FrameSearch {
   SolveEffort in_vain_;                                       // before tissue was found to meet tissue
   double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
   std::vector<Real> mode_;
+  std::vector<Real> began_;  // where the surface last began to be kept apart but for what goes through itself
   // An equilibrium with inverted cells, until one from rest confirms it.
   std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful_;
 };

@@ -385,5 +385,31 @@ TEST(SelfContactSession, AStartThatGoesThroughItselfByLittleIsTakenApartAndRests
     EXPECT_NEAR(taken_apart.points[i], never_met.points[i], 1e-3);
 }
 
+TEST(SelfContactSession, AStartThatLiesTooDeepInItselfIsTakenApartWhereItRestsByLittle) {
+  SessionSettings settings = with_contact(1);
+  settings.precision = "double";
+  settings.tolerance = 1e-6;
+  const Surface surface = cut_block(0.3);
+  const EpochInput epoch = held_at_both_ends(surface);
+  const FrameInput frame = pulled({Vec3(-0.6, 0.13, 0.21)});
+  Session with(settings), apart(settings);
+  settings.self_contact = false;
+  Session without(settings);
+  for (Session* session : {&with, &apart, &without}) session->set_epoch(epoch);
+  const FrameOutput deep = without.solve(pulled({Vec3(-1.2, 0.13, 0.21)}), {}, kNever);
+  ASSERT_TRUE(deep.converged);
+  const std::size_t places = piercings(surface, deep);
+  ASSERT_GT(places, 0U);
+  with.set_state(deep.state);
+  const FrameOutput rests = with.solve(frame, {}, kNever), never_met = apart.solve(frame, {}, kNever);
+  ASSERT_TRUE(rests.converged) << rests.failure.message;
+  ASSERT_TRUE(never_met.converged) << never_met.failure.message;
+  EXPECT_EQ(std::size_t(rests.piercings_before), places);
+  EXPECT_EQ(std::size_t(rests.untangled), places);
+  EXPECT_EQ(piercings(surface, rests), 0U);
+  EXPECT_GT(rests.self_contacts, 0);
+  EXPECT_NEAR(rests.energy, never_met.energy, 1e-4 * never_met.energy);
+}
+
 }  // namespace
 }  // namespace lappet

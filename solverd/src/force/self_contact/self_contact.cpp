@@ -86,19 +86,22 @@ std::size_t SelfContact::begin(std::span<const Real> u) {
 template <class Real>
 std::size_t SelfContact::untangle(std::span<Real> u, const std::function<bool(Index)>& moves) {
   const std::size_t places = count_piercings<Real>(u);
-  if (places == 0) return 0;
+  if (places == 0 || places_ == in_vain_at_) return 0;
+  const std::vector<Vec3> start = places_;
   Untangling behind(surface_, moves);
-  if (take_apart(u, kRoundsInVain, 0, [&](std::span<const Piercing> piercings, std::span<double> to) {
-        return behind.push(places_, piercings, to);
-      }) == 0)
-    return places;
-  if (places > kMaxPlaces) return 0;
-  const std::vector<double> start(u.begin(), u.end());
-  ContourShortening contours(surface_, moves, start);
-  const auto enough = static_cast<std::size_t>(kMaxLeft * static_cast<double>(places));
-  return places - take_apart(u, kRounds, enough, [&](std::span<const Piercing> piercings, std::span<double> to) {
-           return contours.push(places_, piercings, to);
-         });
+  std::size_t left = take_apart(u, kRoundsInVain, 0, [&](std::span<const Piercing> piercings, std::span<double> to) {
+    return behind.push(places_, piercings, to);
+  });
+  if (left > 0 && places <= kMaxPlaces) {
+    const std::vector<double> from(u.begin(), u.end());
+    ContourShortening contours(surface_, moves, from);
+    const auto enough = static_cast<std::size_t>(kMaxLeft * static_cast<double>(places));
+    left = take_apart(u, kRounds, enough, [&](std::span<const Piercing> piercings, std::span<double> to) {
+      return contours.push(places_, piercings, to);
+    });
+  }
+  if (left == places) in_vain_at_ = start;
+  return places - left;
 }
 
 // Rounds until nothing goes through anything, or there were so many without less of it. Where more than `enough` is

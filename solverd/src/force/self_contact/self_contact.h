@@ -111,6 +111,7 @@ class SelfContact {
   double stiffness_;
   ContactFriction friction_;
   std::vector<Vec3> places_, ways_;  // to write in
+  std::vector<Vec3> in_vain_at_;     // where nothing was taken apart, as a frame begins where the one before ended
 };
 
 }  // namespace lappet
