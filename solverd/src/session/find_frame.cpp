@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -15,8 +14,8 @@
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
+#include "session/softest_mode.h"
 #include "solve/newton/leave_saddle.h"
-#include "solve/newton/lowest_mode.h"
 #include "solve/newton/predict_motion.h"
 
 namespace lappet {
@@ -25,9 +24,6 @@ namespace {
 
 // Two equilibria whose energies differ by less are the same.
 constexpr double kSameEnergy = 1e-6;
-// An equilibrium whose softest displacement keeps less of its stiffness than this, chosen above the rounding of single
-// precision, is a saddle.
-constexpr double kSaddle = -1e-3;
 // Saddles that are left one after the other in a frame.
 constexpr int kMaxSaddles = 6;
 // Tolerances of the residual within which a search that has run out of iterations is close to an equilibrium.
@@ -199,8 +195,8 @@ class FrameSearch {
   void go_off_ridge() {
     if (!epoch_.system.pressures_have_energy(found_.state.u)) return;
     find_mode(LowestModeSearch::thorough());
-    spdlog::debug("  stalls where the softest displacement keeps {:.2g} of its stiffness", lowest_);
-    if (lowest_ < kSaddle) leave_saddle(kEnergyRounding);
+    spdlog::debug("  stalls where the softest displacement keeps {:.2g} of its stiffness", mode_.stiffness());
+    if (mode_.is_of_saddle()) leave_saddle(kEnergyRounding);
   }
 
   // Where the surface goes through itself by little at the start of an attempt it is taken apart first.
@@ -360,57 +356,34 @@ class FrameSearch {
     const double constraints = digest(frame_);
     if (stability.is_of(constraints) && std::ranges::equal(found_.state.u, before_.u)) return;
     descend_from_saddles(kEnergyRounding);
-    stability = {.constraints = constraints, .lowest_stiffness = lowest_, .softest_point = {}};
-    if (!mode_.empty()) stability.softest_point = softest_point();
+    stability = {.constraints = constraints, .lowest_stiffness = mode_.stiffness(), .softest_point = {}};
+    if (!mode_.shape().empty()) stability.softest_point = mode_.place();
   }
 
   // least: share of the energy by which it falls, or the saddle stays.
   void descend_from_saddles(double least) {
     find_mode({});
-    if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
-    for (int left = 0; lowest_ < kSaddle && left < kMaxSaddles && leave_saddle(least); ++left)
+    if (mode_.is_of_saddle()) find_mode(LowestModeSearch::thorough());
+    for (int left = 0; mode_.is_of_saddle() && left < kMaxSaddles && leave_saddle(least); ++left)
       find_mode(LowestModeSearch::thorough());
   }
 
   void find_mode(const LowestModeSearch& search) {
     const auto start = std::chrono::steady_clock::now();
-    try {
-      auto found =
-          find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at, search);
-      lowest_ = found.stiffness;
-      mode_ = std::move(found.shape);
-    } catch (const NotDefiniteError&) {  // the coarse level cannot be had: nothing is known
-      lowest_ = std::numeric_limits<double>::quiet_NaN();
-      mode_.clear();
-    }
+    mode_.find(search, found_.state.u, found_.outcome.at);
     found_.effort.seconds_stability += seconds_since(start);
-  }
-
-  // The rest point of the surface that moves most in the mode.
-  Vec3 softest_point() const {
-    const auto& points = epoch_.lattice.surface_points;
-    std::size_t softest = 0;
-    double most = 0.0;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const double length = displacement<Real>(epoch_.lattice, points[k], mode_).squaredNorm();
-      if (length > most) {
-        most = length;
-        softest = k;
-      }
-    }
-    return epoch_.surface.points[softest];
   }
 
   // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium: lower
   // by more than rounding, since what gives way may be a small part of the tissue and of its energy. Where the energy
   // falls to neither side the equilibrium is neutral, as far as the energy can tell.
   bool leave_saddle(double least) {
-    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
+    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_.shape(), found_.state.multipliers,
                                                 found_.outcome.at, options_.inverts);
     if (amplitude) {
       const double energy = found_.outcome.energy;
       auto beside = found_.state.u;
-      add<Real>(static_cast<Real>(*amplitude), mode_, beside);
+      add<Real>(static_cast<Real>(*amplitude), mode_.shape(), beside);
       const auto is_lower = [&](const EquilibriumOutcome& at_saddle) {
         return found_.outcome.inverted <= at_saddle.inverted &&
                found_.outcome.energy < energy - least * std::abs(energy);
@@ -422,7 +395,7 @@ class FrameSearch {
         return true;
       }
     } else {
-      lowest_ = std::max(lowest_, 0.0);
+      mode_.take_as_neutral();
     }
     evaluate();
     return false;
@@ -478,9 +451,8 @@ class FrameSearch {
   EquilibriumOptions options_;
   SolveObserver observer_;
   FoundFrame<Real> found_;
-  SolveEffort in_vain_;                                       // before tissue was found to meet tissue
-  double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
-  std::vector<Real> mode_;
+  SolveEffort in_vain_;  // before tissue was found to meet tissue
+  SoftestMode<Real> mode_{epoch_};
   std::vector<Real> began_;  // where the surface last began to be kept apart but for what goes through itself
   // An equilibrium with inverted cells, until one from rest confirms it.
   std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful_;
