@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -196,6 +198,21 @@ def test_a_cut_through_a_curved_cap_goes_through_at_every_angle():
     around = tuple((25.0 * float(np.cos(t)), 25.0 * float(np.sin(t)), float(np.sqrt(3600.0 - 625.0))) for t in ring)
     epoch = cut(Incision("a", 1.0, around, closed=True), tissue=tissue)
     assert epoch.fragments == 2
+
+
+# Found by the strip of the upper eyelid: between the two lines at its tips there is less room than to which cuts are
+# tidied, and on curved skin a vertex that goes over it comes to lie behind what is across.
+@pytest.mark.parametrize("spacing", [1.0, 0.7])
+def test_a_strip_with_fine_tips_on_a_curved_cap_does_not_pass_through_itself(spacing: float) -> None:
+    along = np.linspace(0.0, 1.0, 24)
+    rise = 4.0 * along * (1.0 - along)
+    x = 37.0 * (along - 0.5)
+    upper, lower = np.stack([x, 3.95 * rise], axis=1), np.stack([x, 0.95 * rise], axis=1)
+    around = np.concatenate([upper, lower[-2:0:-1]])
+    points = tuple((float(x), float(y), float(np.sqrt(3600.0 - x * x - y * y))) for x, y in around)
+    strip = Incision("strip", 1.0, points, closed=True)
+    surface = cut(strip, tissue=replace(spherical_cap(rings=24), spacing=spacing)).surface
+    assert not passes_through_itself(surface.points, surface.triangles)
 
 
 def test_the_depth_of_a_partial_cut_follows_the_normals_of_a_curved_skin():

@@ -1,11 +1,11 @@
-"""Where a surface is open, and where its parts touch."""
+"""Where a surface is open, where its parts touch, and where they pass through each other."""
 
 from __future__ import annotations
 
 import numpy as np
 import trimesh
 
-from lappet.geometry.surface_check import pinched_vertices, unpaired_edges
+from lappet.geometry.surface_check import intersections, piercings, pinched_vertices, unpaired_edges
 
 BOX = np.asarray(trimesh.creation.box().faces, np.int64)
 
@@ -47,3 +47,13 @@ def test_no_triangles_have_no_edges() -> None:
     none = np.zeros((0, 3), np.int64)
     assert len(unpaired_edges(none)) == 0
     assert len(pinched_vertices(none)) == 0
+
+
+def test_a_triangle_with_a_common_corner_is_pierced_by_the_edge_across_from_it() -> None:
+    points = np.array([(0, 0, 0), (2, 0, 0), (0, 2, 0), (0.5, 0.5, -1), (0.5, 0.5, 1), (9, 9, 9)], np.float64)
+    faces = np.array([(0, 1, 2), (0, 3, 4), (1, 2, 5)])
+    assert list(intersections(points, faces)) == []
+    for chosen in ([True, False, False], [False, True, False], [True, True, True]):
+        found = piercings(points, faces, np.array(chosen))
+        assert {tuple(sorted(pair)) for pair in found.tolist()} == {(0, 1)}
+    assert len(piercings(points, faces, np.array([False, False, True]))) == 0

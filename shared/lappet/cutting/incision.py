@@ -12,9 +12,10 @@ from lappet.core.problem import RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.flat_triangles import turn_flat_triangles
-from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.short_edges import collapse_short_edges
 from lappet.geometry.solid import Label, LabeledSolid
+from lappet.geometry.without_piercings import Change, Step, unchanged, without_piercings
 from lappet.procedure import Incision
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.rest_skin import RestSkin
@@ -183,7 +184,9 @@ def incise(
 def tidy(tissue: LabeledSolid, spacing: float, tolerance: float) -> LabeledSolid:
     """Remove short edges and flat triangles and refine edges longer than 1.5 lattice spacings.
 
-    Triangles that no cut has touched stay as they are, to the bit.
+    Triangles that no cut has touched stay as they are, to the bit. Edges and triangles by whose removal walls, or skin
+    beside a cut, would come to pass through others stay: at the tips of cuts and beside folds of the skin there is less
+    room than the tolerance.
 
     Parameters
     ----------
@@ -200,15 +203,24 @@ def tidy(tissue: LabeledSolid, spacing: float, tolerance: float) -> LabeledSolid
         The tidied tissue.
     """
     if tolerance > 0.0:
-        simple = tissue.surface()
-        for _ in range(3):  # what one step is kept from, the other may make possible
-            simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
+        cut_surface = tissue.surface()
+        simple = without_piercings(lambda left_out: _simplified(cut_surface, tolerance, left_out))
         tissue = LabeledSolid.from_surface(simple)
     fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing)).surface()
     if tolerance > 0.0:  # in the rows of long triangles that are hardly wider than that
-        fine = collapse_short_edges(fine, tolerance)
+        refined = fine
+        fine = without_piercings(lambda left_out: collapse_short_edges(refined, tolerance, left_out))
     # Every triangle becomes a face of its own, so that no later step merges what was refined.
     return LabeledSolid.from_surface(fine)
+
+
+def _simplified(surface: Surface, tolerance: float, left_out: frozenset[Step]) -> Change:
+    """The surface without short edges and flat triangles, but for what steps that are left out would remove."""
+    change = unchanged(surface)
+    for _ in range(3):  # what one kind of step is kept from, the other may make possible
+        for remove in (collapse_short_edges, turn_flat_triangles):
+            change = change.then(remove(change.surface, tolerance, left_out))
+    return change
 
 
 def fragments(tissue: LabeledSolid) -> list[LabeledSolid]:

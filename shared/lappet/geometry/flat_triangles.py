@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.vectors import cross, length, triangle_corners
+from lappet.geometry.without_piercings import NO_STEPS, Change, Step, named, unchanged
 
 _ROUNDS = 8
 
 
-def turn_flat_triangles(surface: Surface, height: float) -> Surface:
+def turn_flat_triangles(surface: Surface, height: float, left_out: frozenset[Step] = NO_STEPS) -> Change:
     """Turn the longest edge of each flat triangle, where that helps.
 
     The triangle abc, flat over its longest edge ab, and its neighbor bad become adc and dbc: both take the neighbor's
@@ -24,17 +25,19 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
         The surface.
     height
         Triangles lower than this are flat, mm.
+    left_out
+        Steps that are not made: the ends of an edge, the lower index first.
 
     Returns
     -------
-    Surface
+    Change
         The surface with other triangles between the same vertices.
     """
     triangles = surface.triangles.astype(np.int64)
     uv = surface.uv.astype(np.float64)
     source = np.arange(len(triangles))
     points = surface.points
-    changed = False
+    steps: dict[int, tuple[Step, ...]] = {}
     for _ in range(_ROUNDS):
         low = _heights(points, triangles)
         flat = np.flatnonzero(low < height)
@@ -49,8 +52,8 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
             lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
             first = int(lengths.argmax())
             a, b, c = (int(v) for v in np.roll(triangles[face], -first))
-            other = owner.get((b, a))
-            if other is None or other == face:
+            other, step = owner.get((b, a)), named(points, min(a, b), max(a, b))
+            if other is None or other == face or step in left_out:
                 continue
             row = triangles[other].tolist()
             if a not in row or b not in row:
@@ -74,13 +77,13 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
             for which in (face, other):
                 x, y, z = triangles[which].tolist()
                 owner.update({(x, y): which, (y, z): which, (z, x): which})
+            steps[face] = steps[other] = (step,)
             turned += 1
-        changed |= turned > 0
         if turned == 0:
             break
-    if not changed:
-        return surface
-    return surface.of_faces(source, points, triangles, uv)
+    if not steps:
+        return unchanged(surface)
+    return Change(surface.of_faces(source, points, triangles, uv), np.arange(len(triangles)), steps)
 
 
 def _heights(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -9,9 +9,10 @@ from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import directed_edges, unique_edges
 from lappet.geometry.triangles import area_normals
 from lappet.geometry.vectors import length
+from lappet.geometry.without_piercings import NO_STEPS, Change, Step, named, unchanged
 
 
-def collapse_short_edges(surface: Surface, shortest: float) -> Surface:
+def collapse_short_edges(surface: Surface, shortest: float, left_out: frozenset[Step] = NO_STEPS) -> Change:
     """Shrink short edges to one of their ends, where that keeps the surface manifold.
 
     An edge stays when its ends have more than two neighbors in common, or when a triangle that is not itself lower than
@@ -23,27 +24,31 @@ def collapse_short_edges(surface: Surface, shortest: float) -> Surface:
         The surface.
     shortest
         Edges shorter than this are collapsed, mm.
+    left_out
+        Steps that are not made: an edge's end that would go, and the one that it would go to.
 
     Returns
     -------
-    Surface
+    Change
         The surface with fewer vertices.
     """
     points = surface.points
     every = directed_edges(surface.triangles)
     edges = unique_edges(every[_lengths(points, every) < shortest])[0]
     if len(edges) == 0:
-        return surface
+        return unchanged(surface)
     triangles = surface.triangles.astype(np.int64)
     around = _faces_around(triangles, np.unique(edges))
     dead = np.zeros(len(triangles), bool)
     merged: dict[int, int] = {}
     for edge in np.argsort(_lengths(points, edges), kind="stable").tolist():
-        gone, kept = (_final(int(v), merged) for v in edges[edge])
-        if gone == kept or not _can_collapse(points, triangles, around, gone, kept, shortest):
-            gone, kept = kept, gone
-            if gone == kept or not _can_collapse(points, triangles, around, gone, kept, shortest):
-                continue
+        one, other = (_final(int(v), merged) for v in edges[edge])
+        for gone, kept in ((one, other), (other, one)) if one != other else ():
+            is_left_out = bool(left_out) and named(points, gone, kept) in left_out
+            if not is_left_out and _can_collapse(points, triangles, around, gone, kept, shortest):
+                break
+        else:
+            continue
         for face in sorted(around[gone]):
             if kept in triangles[face]:
                 dead[face] = True
@@ -55,10 +60,27 @@ def collapse_short_edges(surface: Surface, shortest: float) -> Surface:
         around[gone] = set()
         merged[gone] = kept
     if not merged:
-        return surface
-    keep = ~dead
-    used, compact = np.unique(triangles[keep], return_inverse=True)
-    return surface.of_faces(keep, points[used], compact.reshape(-1, 3), surface.uv[keep])
+        return unchanged(surface)
+    faces = np.flatnonzero(~dead)
+    used, compact = np.unique(triangles[faces], return_inverse=True)
+    made = surface.of_faces(faces, points[used], compact.reshape(-1, 3), surface.uv[faces])
+    return Change(made, faces, _last_steps(surface, faces, merged))
+
+
+def _last_steps(surface: Surface, faces: NDArray[np.int64], merged: dict[int, int]) -> dict[int, tuple[Step, ...]]:
+    """For each of the faces that are left whose corners went elsewhere: the last step of each corner."""
+    before = surface.triangles[faces]
+    gone = np.zeros(len(surface.points), bool)
+    gone[list(merged)] = True
+    steps = {}
+    for face in np.flatnonzero(gone[before].any(axis=1)).tolist():
+        last = []
+        for vertex in before[face].tolist():
+            while merged.get(merged.get(vertex, -1), -1) >= 0:
+                vertex = merged[vertex]
+            last += [named(surface.points, vertex, merged[vertex])] if vertex in merged else []
+        steps[face] = tuple(last)
+    return steps
 
 
 def _lengths(points: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.float64]:

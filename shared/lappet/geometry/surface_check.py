@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -198,10 +198,58 @@ def intersections(points: NDArray[np.float64], triangles: NDArray[np.integer]) -
             yield np.stack([left[hit], right[hit]], axis=1)
 
 
-def _overlapping_boxes(
+def piercings(
+    points: NDArray[np.float64], triangles: NDArray[np.integer], chosen: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Find the pairs of triangles of which an edge of one passes through the other, for a few triangles.
+
+    Unlike `intersections` this finds those with a common corner, too, where the edge across from it passes through.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    chosen
+        Triangles of which each pair has one at least, shape (m,).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Pairs of triangle indices, each once in either order or in both, shape (k, 2).
+    """
+    corners = triangle_corners(points, triangles)
+    left, right = _beside_chosen(corners.min(axis=1), corners.max(axis=1), chosen)
+    one, other = corners[:, :, left], corners[:, :, right]
+    common = triangles[left].T[:, None] == triangles[right].T[None]
+    hit = _pierces(one, other, ~common.any(axis=1)) | _pierces(other, one, ~common.any(axis=0))
+    return np.stack([left[hit], right[hit]], axis=1)
+
+
+def _beside_chosen(
+    low: NDArray[np.float64], high: NDArray[np.float64], chosen: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Index arrays (left, right) of boxes (3, n) that overlap or touch, the left one of which is chosen."""
+    box, key, _ = _cells_of_boxes(low, high)
+    order = np.argsort(key, kind="stable")
+    box, key = box[order], key[order]
+    asking = np.flatnonzero(chosen[box])
+    first, last = np.searchsorted(key, key[asking], "left"), np.searchsorted(key, key[asking], "right")
+    count = last - first
+    other = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count - first, count)
+    left, right = np.repeat(box[asking], count), box[other]
+    beside = (
+        (left != right) & (low[:, left] <= high[:, right]).all(axis=0) & (low[:, right] <= high[:, left]).all(axis=0)
+    )
+    pairs = np.unique(left[beside] * low.shape[1] + right[beside])
+    return pairs // low.shape[1], pairs % low.shape[1]
+
+
+def _cells_of_boxes(
     low: NDArray[np.float64], high: NDArray[np.float64]
-) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Index arrays (left, right) of boxes (3, n) that overlap or touch, each pair once."""
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Callable[[NDArray[np.float64]], NDArray[np.int64]]]:
+    """Pairs of a box (3, n) and a cell of a grid that it lies in, by their numbers, and the cells of points (3, k)."""
     sides = (high - low).max(axis=0)
     size = max(float(np.median(sides)) * 1.5, float(sides.max()) / 32.0, 1e-30)
     origin = low.min(axis=1, keepdims=True)
@@ -213,7 +261,18 @@ def _overlapping_boxes(
     _, wide, tall = span[:, box]
     cell = first[:, box] + np.stack([local // (wide * tall), local // tall % wide, local % tall])
     extent = last.max(axis=1) + 1
-    key = (cell[0] * extent[1] + cell[1]) * extent[2] + cell[2]
+
+    def number(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+        return np.asarray((cells[0] * extent[1] + cells[1]) * extent[2] + cells[2])
+
+    return box, number(cell), lambda places: number(np.floor((places - origin) / size).astype(np.int64))
+
+
+def _overlapping_boxes(
+    low: NDArray[np.float64], high: NDArray[np.float64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Index arrays (left, right) of boxes (3, n) that overlap or touch, each pair once."""
+    box, key, cells_of = _cells_of_boxes(low, high)
     order = np.argsort(key, kind="stable")
     key, box = key[order], box[order]
     for shift in range(1, len(key)):
@@ -223,16 +282,18 @@ def _overlapping_boxes(
         a, b = box[same], box[same + shift]
         from_corner, to_corner = np.maximum(low[:, a], low[:, b]), np.minimum(high[:, a], high[:, b])
         # A common box counts in the cell that holds its lower corner only.
-        x, y, z = np.floor((from_corner - origin) / size).astype(np.int64)
-        keep = (from_corner <= to_corner).all(axis=0) & ((x * extent[1] + y) * extent[2] + z == key[same])
+        keep = (from_corner <= to_corner).all(axis=0) & (cells_of(from_corner) == key[same])
         if keep.any():
             yield a[keep], b[keep]
 
 
-def _pierces(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _pierces(
+    one: NDArray[np.float64], other: NDArray[np.float64], free: NDArray[np.bool_] | None = None
+) -> NDArray[np.bool_]:
     """Whether an edge of triangle `one` passes through triangle `other`, its border included.
 
-    Both have the shape (3, 3, k): coordinate, corner, triangle.
+    Both have the shape (3, 3, k): coordinate, corner, triangle. With `free`, the corners (3, k) of `one` that are none
+    of `other`'s, only edges between such corners count.
     """
     a = other[:, 0]
     u, v = other[:, 1] - a, other[:, 2] - a
@@ -249,5 +310,7 @@ def _pierces(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np
         q = cross(s, u)
         x, y, at = dot(s, p) * inverse, dot(ray, q) * inverse, dot(v, q) * inverse
         e = 1e-9
+        if free is not None:
+            proper &= free[i] & free[(i + 1) % 3]
         hit |= proper & (x > -e) & (y > -e) & (x + y < 1 + e) & (at > e) & (at < 1 - e)
     return hit
