@@ -14,7 +14,7 @@ from lappet.usd.stage import read_procedure
 from self_intersection import passes_through_itself
 
 EXAMPLES = sorted(Path(__file__).resolve().parents[2].glob("examples/*/*.usda"))
-# Of all designs and operations those in which tidying a cut once led walls or skin through each other, or nearly so.
+# Of all designs and operations those in which some steps of tidying lead walls or skin through each other.
 ON_BODY = ("upper_eyelid", "lip_a_t", "cheek_island", pytest.param("nose_forehead", marks=pytest.mark.slow))
 
 

@@ -264,7 +264,6 @@ REGIONAL_FLAPS = {
             (-37.3, 137.5, 257.7),
             (-1.0, 0.0, 0.0),
             remark="Perforators are not in the model.",
-            self_contact=False,
         ),
         RegionalFlap(
             "cleft_lip_millard",
