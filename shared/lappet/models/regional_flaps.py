@@ -196,7 +196,6 @@ REGIONAL_FLAPS = {
             (-12.0, 45.0, 840.0),
             (0.0, 1.0, 0.0),
             remark="Hair and galea are not in the model.",
-            self_contact=False,
         ),
         RegionalFlap(
             "cheek_cervicofacial",
