@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.vectors import cross, length, triangle_corners
-from lappet.geometry.without_piercings import NO_STEPS, Change, Step, named, unchanged
+from lappet.geometry.without_piercings import NO_STEPS, Change, Step, step_of_edge, unchanged
 
 _ROUNDS = 8
 
@@ -52,7 +52,7 @@ def turn_flat_triangles(surface: Surface, height: float, left_out: frozenset[Ste
             lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
             first = int(lengths.argmax())
             a, b, c = (int(v) for v in np.roll(triangles[face], -first))
-            other, step = owner.get((b, a)), named(points, min(a, b), max(a, b))
+            other, step = owner.get((b, a)), step_of_edge(points, min(a, b), max(a, b))
             if other is None or other == face or step in left_out:
                 continue
             row = triangles[other].tolist()

@@ -9,7 +9,7 @@ from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import directed_edges, unique_edges
 from lappet.geometry.triangles import area_normals
 from lappet.geometry.vectors import length
-from lappet.geometry.without_piercings import NO_STEPS, Change, Step, named, unchanged
+from lappet.geometry.without_piercings import NO_STEPS, Change, Step, step_of_edge, unchanged
 
 
 def collapse_short_edges(surface: Surface, shortest: float, left_out: frozenset[Step] = NO_STEPS) -> Change:
@@ -44,7 +44,7 @@ def collapse_short_edges(surface: Surface, shortest: float, left_out: frozenset[
     for edge in np.argsort(_lengths(points, edges), kind="stable").tolist():
         one, other = (_final(int(v), merged) for v in edges[edge])
         for gone, kept in ((one, other), (other, one)) if one != other else ():
-            is_left_out = bool(left_out) and named(points, gone, kept) in left_out
+            is_left_out = bool(left_out) and step_of_edge(points, gone, kept) in left_out
             if not is_left_out and _can_collapse(points, triangles, around, gone, kept, shortest):
                 break
         else:
@@ -78,7 +78,7 @@ def _last_steps(surface: Surface, faces: NDArray[np.int64], merged: dict[int, in
         for vertex in before[face].tolist():
             while merged.get(merged.get(vertex, -1), -1) >= 0:
                 vertex = merged[vertex]
-            last += [named(surface.points, vertex, merged[vertex])] if vertex in merged else []
+            last += [step_of_edge(surface.points, vertex, merged[vertex])] if vertex in merged else []
         steps[face] = tuple(last)
     return steps
 

@@ -19,7 +19,7 @@ Step = tuple[bytes, bytes]
 NO_STEPS: frozenset[Step] = frozenset()
 
 
-def named(points: NDArray[np.float64], first: int, second: int) -> Step:
+def step_of_edge(points: NDArray[np.float64], first: int, second: int) -> Step:
     """Name a step.
 
     Parameters
